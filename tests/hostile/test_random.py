@@ -93,7 +93,7 @@ def test_a_parameter_on_which_nothing_depends() -> None:
 def test_what_cannot_be_told_from_zero() -> None:
     """The sine of so small an angle is a rational with few digits. It was a crash."""
     inside = wheel("a", x="1e-30", y="sin(p)", heading="", beta="0")
-    with pytest.raises(RobotFileError, match="too small to be told from zero"):
+    with pytest.raises(RobotFileError, match="too small to be distinguished from zero"):
         wmrgen.robot_of(read(robot(inside, top="parameters: {p: {value: 1e-30, tunable: true}}\n")))
 
 

@@ -1,5 +1,5 @@
-"""Analysis: what a layout allows, and how its wheels and its twist go together.
+"""Analysis: the mobility of a layout, and its kinematics in symbols.
 
-In comes a `Robot`; out go its mobility record and the formulas of `inverse`, `forward` and `odometry` as sympy
-expressions. This room knows no language that code is written in.
+The input is a `Robot`. The output is its `Mobility` record and the formulas of `inverse`, `forward` and `odometry` as
+sympy expressions. This room must not know a programming language or a back end.
 """

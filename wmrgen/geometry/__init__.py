@@ -1,5 +1,6 @@
-"""Geometry: from the records of a robot file to exact rows.
+"""Geometry: from the records of a robot file to exact constraint rows.
 
-In comes a `RobotSpec`; out goes a `Robot`: exact places and orientations of its wheels, in metres and radians in the
-robot frame, and the rolling and sliding rows of each wheel. This room decides no rank and solves no system.
+The input is a `RobotSpec`. The output is a `Robot`, with exact positions and headings of its wheels in metres and
+radians in the robot frame, and the rolling and sliding rows of each wheel. This room must not round, decide a rank or
+solve a system of equations.
 """

@@ -1,4 +1,8 @@
-"""Names and numbers as LaTeX: single letters where texts have them, Greek for joints, bodies as an index."""
+"""How names, numbers and lists of names look in sentences and in LaTeX.
+
+Names in LaTeX follow textbooks: single letters where textbooks have them, Greek letters for joints, and the name of a
+wheel as an index. This module does not import sympy; `printing` writes whole expressions with the names from here.
+"""
 
 from __future__ import annotations
 
@@ -12,59 +16,68 @@ from wmrgen.geometry.exact.number import Exact
 _GREEK = frozenset(
     "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu xi rho sigma tau phi psi omega".split()
 )
-_LETTERS = frozenset("abdfgjlrs")  # those that mean nothing on pages, but for d, l, r of wheels
-_INDEXED = frozenset("v_x v_y c1 c2 c_1 c_2".split())
+# Letters that the reports do not use themselves, except d, l and r of wheels.
+_LETTERS = frozenset("abdfgjlrs")
+_INDEXED = frozenset("v_x v_y c1 c2 c_1 c_2".split())  # indexed letters that the reports use themselves
 _JOINTS = {
     "spin": r"\dot{\varphi}", "spin_rate": r"\ddot{\varphi}",
     "steer": r"\psi", "steer_rate": r"\dot{\psi}", "steer_acceleration": r"\ddot{\psi}",
 }  # fmt: skip
-Style = Literal["", "exact", "decimals", "fractions"]
+Style = Literal[
+    "", "exact", "decimals", "fractions"
+]  # how the numbers of a sum are written; "": no preference
 _COMPONENT = re.compile(r"([a-z])([xyz])")  # vx
-_ROOTS = ("", r"\sqrt{2}", r"\sqrt{3}", r"\sqrt{6}")
+_ROOTS = ("", r"\sqrt{2}", r"\sqrt{3}", r"\sqrt{6}")  # the basis of the number field, as in `Exact.num`
 _COVARIANCE = re.compile(r"(vx|vy|omega|x|y|theta)(vx|vy|omega|x|y|theta)")
 _NUMBERED = re.compile(r"([a-z]+)(\d+)")  # eta1, m12
 
 
 def listed(parts: Sequence[str], word: str = "and") -> str:
-    """a, b and c, or with another word before the last"""
+    """Return "a, b and c", or the list with another ``word`` before its last part."""
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} {word} {parts[-1]}"
 
 
 def in_code(names: Iterable[str]) -> str:
-    """`a`, `b` and `c`: names of a robot file as they stand in sentences about it."""
+    """Return "`a`, `b` and `c`": names from a robot file, in backticks, for a sentence about the robot."""
     return listed([f"`{name}`" for name in names])
 
 
 def plain(text: str) -> str:
-    """Such a sentence for a terminal and for data: without backticks."""
+    """Return a sentence without its backticks, for terminals and for data."""
     return text.replace("`", "")
 
 
 def turning(ratios: Sequence[object]) -> str:
-    """What coupled wheels do whose spins are in these ratios; none are given of equal ones."""
+    """Return the verb phrase for wheels whose spins are coupled: in these ratios, or equal if ``ratios`` is empty."""
     return f"turn in the ratio {' : '.join(map(str, ratios))}" if ratios else "turn at one speed"
 
 
 def steering(ratios: Sequence[object]) -> str:
-    """What coupled wheels do whose steering angles are in these ratios; none are given of equal ones."""
+    """Return the verb phrase for wheels whose steering is coupled: in these ratios, or equal if ``ratios`` is empty."""
     return f"steer in the ratio {' : '.join(map(str, ratios))}" if ratios else "share one steering angle"
 
 
 def escape(name: str) -> str:
-    """An identifier inside LaTeX braces."""
+    """Return an identifier with its underscores escaped for LaTeX."""
     return name.replace("_", r"\_")
 
 
 def decimal(value: float) -> str:
-    """Six significant digits in LaTeX."""
+    """Return a number with six significant digits in LaTeX."""
     digits, e, exponent = f"{value + 0.0:.6g}".partition("e")
     return rf"{digits}\cdot 10^{{{int(exponent)}}}" if e else digits
 
 
 def magnitude(value: Exact, style: Style = "") -> tuple[str, str, bool]:
-    """|value| above and below the line, 1 as nothing; and whether a sum stands above.
+    """Return the LaTeX of |value| as a fraction.
 
-    ``style``: decimals or fractions in place of the other, where both would do; exact is what is short.
+    Args:
+        value: The number.
+        style: "decimals" or "fractions" to prefer one where both are possible.
+
+    Returns:
+        The numerator, the denominator ("" if there is none), and whether the numerator is a sum. A numerator of 1 is
+        "" if there is no denominator.
     """
     short = _short(value, style) if value.is_rational or style != "decimals" else None
     if short:
@@ -74,8 +87,10 @@ def magnitude(value: Exact, style: Style = "") -> tuple[str, str, bool]:
 
 
 def style_of(numbers: Sequence[Exact]) -> Style:
-    """One style for the numbers of a sum: no halves beside decimals. Roots, which are halved, too, are decimals beside
-    a number that is rounded."""
+    """Return one style for all numbers of a sum, so that fractions and decimals are not mixed.
+
+    Halves of roots are fractions too. They become decimals if another number of the sum has to be rounded.
+    """
     shown = [magnitude(n) for n in numbers]
     if not (any("." in above for above, _, _ in shown) and any(below for _, below, _ in shown)):
         return ""
@@ -86,24 +101,29 @@ def style_of(numbers: Sequence[Exact]) -> Style:
 
 
 def _short(value: Exact, style: Style = "") -> tuple[str, str, bool] | None:
-    """`magnitude` of what is exact and short, None of other numbers."""
+    """Return the `magnitude` of a number whose exact form is short, else None."""
     value = abs(value)
     parts = [(n, root) for n, root in zip(value.num, _ROOTS, strict=True) if n]
     if len(parts) == 1:
         n, root = parts[0]
-        if not (fraction := _fraction(Fraction(abs(n), value.den), bool(root), style)):
+        fraction = _fraction(Fraction(abs(n), value.den), bool(root), style)
+        if fraction is None:
             return None
         above, below = fraction
         return ("" if above == "1" else above) + root, below, False
     if value.den >= 1000 or max(abs(n) for n in value.num) >= 1000:
         return None
-    signed = [f"{n:+}{root}" if abs(n) != 1 or not root else f"{n:+}"[0] + root for n, root in parts]
+    signed = []
+    for n, root in parts:
+        sign = "-" if n < 0 else "+"
+        digits = "" if abs(n) == 1 and root else str(abs(n))
+        signed.append(sign + digits + root)
     signed.sort(key=lambda part: part.startswith("-"))
     return "".join(signed).removeprefix("+"), "" if value.den == 1 else str(value.den), True
 
 
 def _fraction(f: Fraction, root: bool, style: Style) -> tuple[str, str] | None:
-    """Numerator and denominator, or an exact decimal and "", or None when neither is short."""
+    """Return numerator and denominator, or an exact decimal and "", or None if neither is short."""
     if f.denominator == 1:
         return (str(f.numerator), "") if f.numerator < 10**7 else None
     exact = terminating(f)
@@ -116,7 +136,7 @@ def _fraction(f: Fraction, root: bool, style: Style) -> tuple[str, str] | None:
 
 
 def terminating(f: Fraction) -> str | None:
-    """``0.165`` when at most eight decimals say all, else None."""
+    """Return the exact decimal, such as ``0.165``, if it has at most eight decimals and seven digits, else None."""
     scaled = f * 10**8
     if scaled.denominator != 1 or len(str(scaled.numerator).rstrip("0")) > 7:
         return None
@@ -125,13 +145,16 @@ def terminating(f: Fraction) -> str | None:
 
 
 def wheel(name: str) -> str:
-    """A wheel's name as an index."""
+    """Return a wheel's name in upright LaTeX, for use as an index."""
     return rf"\mathrm{{{escape(name)}}}"
 
 
 def parameter(name: str) -> str:
-    """``r``, ``d_1``, ``h_x`` as they are written by hand, other words in italics; in typewriter what would look like
-    a symbol of the pages themselves: ``h``, which is a heading there, ``L``, ``gamma``, ``v_x``."""
+    """Return the LaTeX of a parameter's name.
+
+    ``r``, ``d_1`` and ``h_x`` look as they are written by hand, and other words are in italics. Names that the reports
+    use for their own symbols are in typewriter type: ``h`` (a heading), ``L``, ``gamma``, ``v_x``.
+    """
     if name in _LETTERS:
         return name
     if len(name) == 1 or name in _GREEK or name in _INDEXED:
@@ -141,7 +164,10 @@ def parameter(name: str) -> str:
 
 
 def port(name: str) -> str:
-    """An input or output by its contract name: ``omega``, ``left.spin``, ``point.vx``, ``x_rate``, ``v_m.x``."""
+    """Return the LaTeX of an input or output by its contract name.
+
+    Such names are ``omega``, ``left.spin``, ``point.vx``, ``x_rate`` and ``v_m.x``.
+    """
     if name == "dt":
         return r"\Delta t"
     if name.endswith("_driven"):
@@ -157,7 +183,7 @@ def port(name: str) -> str:
 
 
 def symbol(name: str) -> str:
-    """A port by the name of its symbol, ``left_spin``, in which the wheel's own name may have low lines."""
+    """Return the LaTeX of a port by the name of its symbol, ``left_spin``; the wheel's name may have underscores."""
     joints = (joint for joint in sorted(_JOINTS, key=len, reverse=True) if name.endswith(f"_{joint}"))
     joint = next(joints, "")
     return port(f"{name.removesuffix('_' + joint)}.{joint}" if joint else name)
@@ -169,8 +195,12 @@ def _is_letter(head: str) -> bool:
 
 
 def _quantity(name: str, indices: list[str]) -> str:
-    """``x_rate`` with a dot, ``vx``, ``eta1``, ``k_rho`` and ``goal_x`` with an index of their own before others."""
-    if pair := _COVARIANCE.fullmatch(name):
+    """Return the LaTeX of a quantity with ``indices``.
+
+    ``x_rate`` gets a dot. ``vx``, ``eta1``, ``k_rho`` and ``goal_x`` have an index of their own, which comes first.
+    """
+    pair = _COVARIANCE.fullmatch(name)
+    if pair:
         return rf"\sigma_{{{port(pair[1])}\,{port(pair[2])}}}"
     base, dots = name, 0
     while base.endswith("_rate"):
@@ -181,10 +211,18 @@ def _quantity(name: str, indices: list[str]) -> str:
     head = split[1] if split else head
     if not _is_letter(head) and index and not re.fullmatch(r"\d+|[a-z]", index):
         head, own = base, []
-    text = rf"\{head}" if head in _GREEK else head if len(head) == 1 else rf"\mathrm{{{_spaced(head)}}}"
-    text = rf"\{'d' * dots}ot{{{text}}}" if dots else text
-    shown = ",".join([*own, *indices])
-    return f"{text}_{shown}" if re.fullmatch("[a-z]", shown) else rf"{text}_{{{shown}}}" if shown else text
+    if head in _GREEK:
+        text = rf"\{head}"
+    elif len(head) == 1:
+        text = head
+    else:
+        text = rf"\mathrm{{{_spaced(head)}}}"
+    if dots:
+        text = rf"\{'d' * dots}ot{{{text}}}"
+    index = ",".join([*own, *indices])
+    if not index:
+        return text
+    return f"{text}_{index}" if re.fullmatch("[a-z]", index) else rf"{text}_{{{index}}}"
 
 
 def _word(index: str) -> str:

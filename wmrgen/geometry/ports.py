@@ -1,4 +1,4 @@
-"""Named inputs and outputs: the contract's names with their roles and units, and what a robot's file says of them."""
+"""Named inputs and outputs of functions, with their roles and units, and their limits from the robot file."""
 
 from __future__ import annotations
 
@@ -12,62 +12,66 @@ from wmrgen.geometry.exact.number import Exact
 
 
 class Role(StrEnum):
-    """What an input is, which decides when it is known."""
+    """The role of an input. It decides when its value is known."""
 
     GEOMETRY = "geometry"  # a tunable parameter: known before the step
-    PREPARED = "prepared"  # an output of prepare(): a function of the geometry alone
+    PREPARED = "prepared"  # an output of prepare(): depends only on tunable parameters
     STATE = "state"  # steering angles, pose
     COMMAND = "command"  # twists, joint rates, dt
 
 
 class Limits(StrEnum):
-    """Which inputs of a function the limits of the robot bound, as far as checked code is concerned."""
+    """How the limits of the robot bound the inputs of a function in checked code."""
 
-    NONE = "none"  # joints are measured; a twist, if there is one, is neither commanded nor driven
-    COMMANDED = "commanded"  # twists are commands, kept inside their limits; joints are measured
+    NONE = "none"  # joints are measured; a twist, if any, is neither commanded nor driven
+    COMMANDED = "commanded"  # twists are commands inside their limits; joints are measured
     MEASURED = "measured"  # twists and joints are measured
-    ASKED = (
-        "asked"  # beyond them: twists, and joint rates as `inverse` gives them for a twist inside its limits
-    )
+    # Twists may exceed their limits, and joint rates are what `inverse` returns for a twist inside its limits.
+    ASKED = "asked"
 
 
 class Reading(NamedTuple):
-    """What an encoder shows: a whole number from 0 to ``modulus`` - 1. ``offset``: the reading of an absolute encoder
-    where its joint is at 0; None for an incremental one, which starts anywhere."""
+    """The reading of an encoder: a whole number of counts."""
 
-    modulus: int
+    modulus: int  # readings run from 0 to modulus - 1 and then wrap
+    # Reading of an absolute encoder when its joint is at 0; None for an incremental one.
     offset: int | None = None
 
     @property
     def width(self) -> int:
-        """The bits of the smallest unsigned integer that holds it: 8, 16 or 32."""
+        """Return the width in bits of the smallest unsigned integer that holds the reading: 8, 16 or 32."""
         return next(w for w in (8, 16, 32) if self.modulus <= 1 << w)
 
     @property
     def wraps_as_integer(self) -> bool:
-        """Whether it wraps where that integer does."""
+        """Return whether the reading wraps at the same value as an unsigned integer of its `width`."""
         return self.modulus == 1 << self.width
 
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """A named input or output: contract name (``vx``, ``left.spin``), role, unit, one line of text.
+    """A named input or output of a function."""
 
-    ``default`` is the nominal value of a tunable parameter, else None; ``range``: the values that it may have, see
-    `usual_range` for one without. ``reading``: of the encoder whose difference a port takes; None if there is none.
-    """
-
-    name: str
+    name: str  # contract name, such as ``vx`` or ``left.spin``
     role: Role
     unit: str
-    text: str = ""
-    default: Exact | None = None
-    reading: Reading | None = None
-    range: tuple[Exact, Exact] | None = None
+    text: str = ""  # one line of description
+    default: Exact | None = None  # nominal value of a tunable parameter, else None
+    reading: Reading | None = None  # the encoder whose count difference is the input; None if there is none
+    range: tuple[Exact, Exact] | None = None  # allowed values of a tunable parameter; None: see `usual_range`
 
 
 def output(name: str, unit: str, text: str) -> Port:
-    """The port of a result."""
+    """Return the port of a result of a function.
+
+    Args:
+        name: The contract name.
+        unit: The unit.
+        text: One line of description.
+
+    Returns:
+        The port.
+    """
     return Port(name, Role.COMMAND, unit, text)
 
 
@@ -87,20 +91,15 @@ DT = Port("dt", Role.COMMAND, "s", "duration of the step")
 
 
 def _covariance(of: tuple[Port, ...], per: str, what: str) -> tuple[Port, ...]:
-    """The upper triangle of a symmetric matrix, row by row; ``per``: what its units are divided by."""
+    """Return ports for the upper triangle of a covariance matrix, row by row; ``per`` is appended to each unit."""
     units = {(0, 2): "m rad", (1, 2): "m rad", (2, 2): "rad^2"}
-    return tuple(
-        Port(
-            of[i].name + of[j].name,
-            Role.STATE,
-            units.get((i, j), "m^2") + per,
-            f"variance of {of[i].name}"
-            if i == j
-            else f"covariance of {of[i].name} and {of[j].name} of the {what}",
-        )
-        for i in range(3)
-        for j in range(i, 3)
-    )
+    ports = []
+    for i in range(3):
+        for j in range(i, 3):
+            first, second = of[i].name, of[j].name
+            text = f"variance of {first}" if i == j else f"covariance of {first} and {second} of the {what}"
+            ports.append(Port(first + second, Role.STATE, units.get((i, j), "m^2") + per, text))
+    return tuple(ports)
 
 
 POSE_COVARIANCE = _covariance(POSE, "", "pose")
@@ -114,47 +113,47 @@ JOINTS = {
     )
 }
 
-TIMES = ("now", "wanted", "last")  # of a quantity: ``vx_wanted`` keeps the limits of ``vx``
+TIMES = ("now", "wanted", "last")  # suffixes of quantities: ``vx_wanted`` has the limits of ``vx``
 
 
 def timeless(name: str) -> str:
-    """The contract name of a quantity without the time that stands behind it."""
+    """Return the contract name of a quantity without its time suffix: ``vx`` for ``vx_wanted``."""
     plain, _, time = name.rpartition("_")
     return plain if time in TIMES else name
 
 
-SPREAD = Fraction(1, 10)  # of a tunable parameter about its nominal value
-SPAN = Fraction(1, 100)  # of one that is nominally zero [m, rad]
+# Default half-range of a tunable parameter, relative to its nominal value: build tolerances.
+SPREAD = Fraction(1, 10)
+SPAN = Fraction(1, 100)  # default half-range [m or rad] of a tunable parameter that is nominally zero
 
 
 def usual_range(nominal: Exact) -> tuple[Exact, Exact]:
-    """The values (low, high) of a tunable parameter for which the robot file has no range."""
-    spread = (nominal if nominal.sign >= 0 else -nominal) * SPREAD if nominal else Exact(SPAN)
+    """Return the default range (low, high) of a tunable parameter, used when the robot file gives no range."""
+    spread = abs(nominal) * SPREAD if nominal else Exact(SPAN)
     return nominal - spread, nominal + spread
 
 
-OVERSHOOT = 1.25  # of what is measured: a joint that stands at its limit must not stop the robot
+# Factor on the limits of measured joints: a joint slightly beyond its limit must not stop the robot.
+OVERSHOOT = 1.25
 
 
 def overshot(low: float, high: float) -> tuple[float, float]:
-    """The measurements of a joint that are believed: `OVERSHOOT` as far from the middle of its limits."""
+    """Return the range of joint measurements that checked code accepts: the limits widened by `OVERSHOOT`."""
     middle, half = (low + high) / 2, OVERSHOOT * (high - low) / 2
     return middle - half, middle + half
 
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """What a robot's file says of its functions, as numbers.
+    """Numbers from a robot file that generated functions are checked and tested with."""
 
-    ``limits``: contract name -> (low, high), SI units; ``pivots``: wheel, x, y [m]. ``reach``: component of the twist
-    -> what `forward` gives while every joint keeps its `overshot` limits, where that is bounded. ``unmotored``: no
-    motor commands some of the robot's motions.
-    """
-
+    # Contract name -> (low, high), SI units.
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    pivots: tuple[tuple[str, float, float], ...] = ()
+    pivots: tuple[tuple[str, float, float], ...] = ()  # wheel name, x [m], y [m]
+    # Twist component -> range of the result of `forward` while every joint is inside its `overshot` limits. Unbounded
+    # components are absent.
     reach: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    unmotored: bool = False
+    unmotored: bool = False  # some motions of the robot are commanded by no motor
 
 
 NO_SITE = Site()

@@ -1,6 +1,6 @@
-"""Expressions for readers, as LaTeX and as text: the printers of sympy with the names of the contract.
+"""Print expressions as LaTeX and as text, with sympy's printers and the contract names of inputs and outputs.
 
-Numbers too long to read become decimals, by `readable`; plain data keep the fraction.
+`readable` replaces numbers that are too long to read by decimals. Data such as JSON keep the exact fraction.
 """
 
 from __future__ import annotations
@@ -16,19 +16,22 @@ from wmrgen.geometry import notation
 from wmrgen.geometry.ports import Port
 from wmrgen.geometry.symbolic import Expr, Operation
 
-DIGITS = 12
+DIGITS = 12  # significant digits: a fraction with a longer numerator or denominator is rounded for reading
 Writer = Callable[[Expr], str]
 
 
 def symbol_names(ports: Iterable[Port]) -> dict[str, str]:
-    """Symbol name -> contract name: ``left_spin`` -> ``left.spin``."""
+    """Return a mapping from symbol names to contract names: ``left_spin`` -> ``left.spin``."""
     return {p.name.replace(".", "_"): p.name for p in ports}
 
 
 class Latex(LatexPrinter):  # type: ignore[misc]
-    """LaTeX that GitHub renders (no \\operatorname), terms as they stand. A plain symbol's name is its LaTeX."""
+    """A printer of LaTeX that GitHub renders (no \\operatorname), with terms in their given order.
 
-    printmethod = ""  # not the symbols' own
+    The name of a plain `sympy.Symbol` is its LaTeX.
+    """
+
+    printmethod = ""  # do not call the symbols' own _latex
 
     def __init__(self, ports: Iterable[Port] = (), **settings: Any) -> None:
         super().__init__({"order": "none", **settings})
@@ -50,11 +53,11 @@ class Latex(LatexPrinter):  # type: ignore[misc]
         return notation.parameter(expr.name)
 
     def _print_Pi(self, expr: Expr, exp: str | None = None) -> str:
-        del expr  # sympy's own way to print it is a method of the number, see `printmethod`
+        del expr  # sympy prints pi by a method of the number, which `printmethod` turns off
         return r"\pi" if exp is None else rf"\pi^{{{exp}}}"
 
     def _print_Max(self, expr: Expr, exp: str | None = None) -> str:
-        text = ", ".join(self._print(a) for a in _together(expr))
+        text = ", ".join(self._print(a) for a in _flat_arguments(expr))
         text = rf"\{expr.func.__name__.lower()}\left({text}\right)"
         return text if exp is None else f"{text}^{{{exp}}}"
 
@@ -81,26 +84,33 @@ class Latex(LatexPrinter):  # type: ignore[misc]
         return self._upright(rf"\mathrm{{{name}}}", expr, exp)
 
     def _print_Add(self, expr: Expr, order: str | None = None) -> str:
-        # The signs of products that are not evaluated stand twice.
+        # sympy prints two signs before an unevaluated product with a negative factor.
         text = str(super()._print_Add(expr, order))
         return text.replace("- - ", "+ ").replace("+ - ", "- ")
 
     def summand(self, expr: Expr) -> str:
-        """A term of a sum with its sign."""
+        """Return the LaTeX of a term of a sum, with its sign."""
         text = str(self.doprint(expr))
         text = rf"\left({text}\right)" if self._needs_add_brackets(expr) else text
         return text if text.startswith("-") else f"+ {text}"
 
     def parts(self, expr: Expr) -> list[str]:
-        """A sum, the greatest or the least of several, or anything else; between the parts a line may end."""
+        """Return the LaTeX of an expression in parts between which a line may break.
+
+        Sums break between terms, max and min between arguments; any other expression is one part.
+        """
         if expr.is_Add:
             first, *rest = map(self.summand, expr.args)
             return [first.removeprefix("+ "), *rest]
         if not isinstance(expr, sympy.Max | sympy.Min):
             return [str(self.doprint(expr))]
-        *before, (*last, end) = map(self.parts, _together(expr))
-        first, *rest = [text for own in before for text in (*own[:-1], f"{own[-1]},")]
-        return [rf"\{expr.func.__name__.lower()}\Bigl({first}", *rest, *last, rf"{end}\Bigr)"]
+        texts: list[str] = []
+        for argument in _flat_arguments(expr):
+            *before, last = self.parts(argument)
+            texts += (*before, f"{last},")
+        texts[0] = rf"\{expr.func.__name__.lower()}\Bigl({texts[0]}"
+        texts[-1] = rf"{texts[-1].removesuffix(',')}\Bigr)"
+        return texts
 
     def _print_Piecewise(self, expr: Expr) -> str:
         (then, condition), (otherwise, _) = expr.args
@@ -114,13 +124,16 @@ class Latex(LatexPrinter):  # type: ignore[misc]
         return f"10^{{-{power}}}" if expr.q == 10**power and expr.p == 1 else notation.decimal(float(expr))
 
 
-def _together(expr: Expr) -> list[Expr]:
-    """The arguments of max and min: a, b and c of max(a, max(b, c))."""
-    return [inner for a in expr.args for inner in (_together(a) if a.func is expr.func else [a])]
+def _flat_arguments(expr: Expr) -> list[Expr]:
+    """Return the arguments of a nested max or min: a, b and c for max(a, max(b, c))."""
+    arguments: list[Expr] = []
+    for a in expr.args:
+        arguments += _flat_arguments(a) if a.func is expr.func else [a]
+    return arguments
 
 
 class Text(StrPrinter):  # type: ignore[misc]
-    """Python syntax; ``front.steer`` for the ports that are named, else the identifier ``front_steer``."""
+    """A printer of Python syntax: ``front.steer`` for the given ports, else the identifier ``front_steer``."""
 
     def __init__(self, ports: Iterable[Port] = ()) -> None:
         super().__init__()
@@ -133,7 +146,7 @@ class Text(StrPrinter):  # type: ignore[misc]
 
 
 def size(expr: Expr, memo: dict[Expr, int] | None = None) -> int:
-    """How many nodes the expression has, written out."""
+    """Return the number of nodes of the expression, repeated subexpressions counted each time."""
     sizes = {} if memo is None else memo
     if expr not in sizes:
         sizes[expr] = 1 + sum(size(a, sizes) for a in expr.args)
@@ -141,15 +154,16 @@ def size(expr: Expr, memo: dict[Expr, int] | None = None) -> int:
 
 
 def exact(expr: Expr) -> str:
-    """Python syntax over identifiers, every number as it is."""
+    """Return the expression in Python syntax over identifiers, with exact numbers."""
     return str(sympy.sstr(expr))
 
 
 class Reader:
-    """Writes expressions for reading; ``note`` says so where a number had to be rounded."""
+    """A function that writes expressions with `readable` numbers."""
 
     def __init__(self, write: Writer = exact) -> None:
-        self.write, self.note = write, ""
+        self.write = write
+        self.note = ""  # a sentence for the user, set once a number was rounded
 
     def __call__(self, expr: Expr) -> str:
         short = readable(expr)
@@ -159,7 +173,7 @@ class Reader:
 
 
 def readable(expr: Expr) -> Expr:
-    """The expression with numbers of more than `DIGITS` digits, above or below the line, as rounded decimals."""
+    """Return the expression with decimals for fractions that have more than `DIGITS` digits in either part."""
     if isinstance(expr, sympy.Rational):
         return _rounded(expr) if max(abs(expr.p), expr.q) >= 10**DIGITS else expr
     if not expr.args:
@@ -169,18 +183,24 @@ def readable(expr: Expr) -> Expr:
 
 
 def by_hand(symbols: Iterable[Expr], exprs: Iterable[Expr]) -> dict[Expr, Expr]:
-    """What stands in LaTeX for names of the code, and in ``exprs`` for numbers of more than 6 digits."""
-    spaced = r"\;"
-    numbers = {n for e in exprs for n in e.atoms(sympy.Rational) if max(abs(n.p), n.q) >= 10**7}
-    names = {s: sympy.Symbol(rf"\mathrm{{{s.name.replace('_', spaced)}}}") for s in symbols}
-    return names | {
-        n: sympy.Mul(sympy.sign(n), sympy.Symbol(notation.decimal(abs(float(n)))))
-        for n in numbers
-        if abs(n.p) != 1 or n.q != 10 ** (len(str(n.q)) - 1)  # a power of ten is short
-    }
+    """Return replacements for LaTeX: upright words for ``symbols``, decimals for long numbers in ``exprs``.
+
+    A number is long if its numerator or denominator has more than seven digits. Powers of ten remain, because they
+    are printed as such.
+    """
+    replacements: dict[Expr, Expr] = {}
+    for s in symbols:
+        words = s.name.replace("_", r"\;")
+        replacements[s] = sympy.Symbol(rf"\mathrm{{{words}}}")
+    for e in exprs:
+        for n in e.atoms(sympy.Rational):
+            power_of_ten = abs(n.p) == 1 and n.q == 10 ** (len(str(n.q)) - 1)
+            if max(abs(n.p), n.q) >= 10**7 and not power_of_ten:
+                replacements[n] = sympy.Mul(sympy.sign(n), sympy.Symbol(notation.decimal(abs(float(n)))))
+    return replacements
 
 
 def _rounded(value: Expr) -> Expr:
-    """A symbol that prints as the decimal: sympy has no number of a given look. The sign stays outside."""
+    """Return the sign times a symbol that prints as the decimal, because sympy cannot fix how a number is printed."""
     sign = -1 if value < 0 else 1
     return sympy.Mul(sign, sympy.Symbol(f"{float(abs(value)):.{DIGITS}g}"))

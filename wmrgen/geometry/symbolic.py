@@ -1,4 +1,8 @@
-"""Exact polynomials as sympy expressions, over symbols that print as the contract's names."""
+"""Exact polynomials as sympy expressions, over symbols that print as the contract names.
+
+Most functions here build expressions without sympy's evaluation, so that code and reports show the operations that a
+formula's author wrote.
+"""
 
 from __future__ import annotations
 
@@ -13,11 +17,11 @@ from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.exact.poly import Gen, Poly, Row
 
 Expr: TypeAlias = Any  # sympy.Expr; sympy ships no types
-_PLAIN = (sympy.Symbol, sympy.sin, sympy.cos)
+_PLAIN = (sympy.Symbol, sympy.sin, sympy.cos)  # a product of one of these and a number needs no evaluation
 
 
 class Quantity(sympy.Symbol):  # type: ignore[misc]
-    """A real symbol. ``name`` is a C identifier."""
+    """A real symbol whose ``name`` is a C identifier."""
 
     def _latex(self, printer: Any) -> str:
         del printer
@@ -25,7 +29,7 @@ class Quantity(sympy.Symbol):  # type: ignore[misc]
 
 
 class Parameter(Quantity):
-    """A named length or angle of the robot file."""
+    """A named parameter of the robot file."""
 
 
 class Input(Quantity):
@@ -41,15 +45,15 @@ class Local(Quantity):
 
 
 class Operation(sympy.Function):  # type: ignore[misc]
-    """A function that is one operation of the code, ``op``, and keeps its meaning down to it."""
+    """A function that becomes one operation of the generated code."""
 
-    op: ClassVar[str]
+    op: ClassVar[str]  # name of the operation in `ir.ops`
     nargs = 2
     is_real = True
 
 
 class Nearest(Operation):
-    """The nearest whole number, ties to even. Nothing evaluates it; its derivative is 0."""
+    """The nearest integer, ties to even. sympy never evaluates it, and its derivative is 0."""
 
     op = "rint"
     nargs = 1
@@ -65,7 +69,7 @@ class Nearest(Operation):
 
 
 class Clamp(Operation):
-    """Clamp(a, m): a, or the end of [-m, m] that it lies beyond; m > 0."""
+    """Clamp(a, m): a clamped to [-m, m], m > 0."""
 
     op = "clamp"
 
@@ -75,7 +79,7 @@ class Clamp(Operation):
 
 
 class AtLeast(Operation):
-    """AtLeast(a, m): a where |a| >= m, else m with the sign of a, m where a is 0; m > 0. A divisor off zero."""
+    """AtLeast(a, m): a if |a| >= m, else m with the sign of a, and m if a is 0; m > 0. It keeps a divisor off zero."""
 
     op = "at_least"
 
@@ -85,7 +89,7 @@ class AtLeast(Operation):
 
 
 class WithSignOf(Operation):
-    """WithSignOf(a, b): -a where b < 0, else a. Code may take a zero b for negative if it is -0."""
+    """WithSignOf(a, b): -a if b < 0, else a. Generated code may treat b = -0.0 as negative."""
 
     op = "with_sign_of"
 
@@ -95,7 +99,7 @@ class WithSignOf(Operation):
 
 
 class RoundingError(Operation):
-    """RoundingError(a, b): what a + b loses where code rounds it: 0 in exact numbers, and so to sympy's numbers."""
+    """RoundingError(a, b): the rounding error of a + b in generated code, which is 0 for exact numbers."""
 
     op = "rounding_error"
 
@@ -105,34 +109,37 @@ class RoundingError(Operation):
 
 
 class Compensated(sympy.Add):  # type: ignore[misc]
-    """Compensated(x, c y): x + c y, of which code makes the rounding of the product good. To sympy it is a sum."""
+    """Compensated(x, c y): x + c y, where generated code compensates the rounding of the product.
+
+    sympy treats it as a sum.
+    """
 
     op = "compensated"
 
     def __new__(cls, x: Expr, product: Expr) -> Compensated:
         return sympy.Add.__new__(cls, x, product, evaluate=False)  # type: ignore[no-any-return]
 
-    func = sympy.Add  # what is made of one is a sum
+    func = sympy.Add  # an expression rebuilt from its arguments is a plain sum
 
 
 def parameter(name: str) -> Parameter:
-    """The symbol of a parameter."""
+    """Return the symbol of a parameter."""
     return Parameter(name, real=True)
 
 
 def signal(port: str) -> Input:
-    """The symbol of an input, by its contract name."""
+    """Return the symbol of an input, by its contract name."""
     return Input(port.replace(".", "_"), real=True)
 
 
 def local(name: str) -> Local:
-    """The symbol of an intermediate result."""
+    """Return the symbol of an intermediate result."""
     return Local(name.replace(".", "_"), real=True)
 
 
 @lru_cache(maxsize=65536)
 def number(value: Exact) -> Expr:
-    """A field element as a sympy number."""
+    """Return a field element as a sympy number."""
     roots = (sympy.S.One, sympy.sqrt(2), sympy.sqrt(3), sympy.sqrt(6))
     parts = zip(value.parts, roots, strict=True)
     return add(*(sympy.Rational(p.numerator, p.denominator) * root for p, root in parts if p))
@@ -140,7 +147,7 @@ def number(value: Exact) -> Expr:
 
 @lru_cache(maxsize=65536)
 def generator(gen: Gen) -> Expr:
-    """A generator as a sympy expression."""
+    """Return a generator as a sympy expression."""
     match gen.kind:
         case "param":
             return parameter(gen.name)
@@ -165,7 +172,7 @@ def generator(gen: Gen) -> Expr:
 
 
 def expression(poly: Poly) -> Expr:
-    """A polynomial as a sympy expression, terms as they stand."""
+    """Return a polynomial as a sympy expression, with its terms in their order."""
     terms = []
     for monomial, coefficient in poly.terms.items():
         factors = [generator(g) if e == 1 else sympy.Pow(generator(g), e) for g, e in monomial]
@@ -174,30 +181,30 @@ def expression(poly: Poly) -> Expr:
 
 
 def _product(value: Expr, factors: Sequence[Expr]) -> Expr:
-    """A number times factors; where sympy's own evaluation has nothing to do, which is slow, it is left out."""
+    """Return a number times factors, without sympy's slow evaluation if it would change nothing."""
     if len(factors) == 1 and value.is_Rational and isinstance(factors[0], _PLAIN):
         return times(value, factors[0])
     return sympy.Mul(value, *factors)
 
 
 def matrix(rows: Sequence[Row] | Sequence[Sequence[Poly]], columns: int) -> sympy.Matrix:
-    """Rows of polynomials as a sympy matrix with ``columns`` columns (0 rows allowed)."""
+    """Return rows of polynomials as a sympy matrix with ``columns`` columns; there may be no rows."""
     return sympy.Matrix(len(rows), columns, [expression(p) for row in rows for p in row])
 
 
 def add(*terms: Expr) -> Expr:
-    """A sum as it stands. Not evaluated: the first evaluated sum would load sympy's tensors and permutations."""
+    """Return an unevaluated sum. The first evaluated sum would load sympy's tensors and permutations."""
     kept = [t for t in terms if t is not sympy.S.Zero]
     return sympy.Add(*kept, evaluate=False) if len(kept) > 1 else kept[0] if kept else sympy.S.Zero
 
 
 def subtract(a: Expr, b: Expr) -> Expr:
-    """a - b as it stands."""
+    """Return a - b, unevaluated."""
     return add(a, times(-1, b))
 
 
 def times(*factors: Expr) -> Expr:
-    """A product as it stands."""
+    """Return an unevaluated product."""
     if any(f is sympy.S.Zero for f in factors):
         return sympy.S.Zero
     kept = [f for f in factors if f is not sympy.S.One]
@@ -205,91 +212,130 @@ def times(*factors: Expr) -> Expr:
 
 
 def over(above: Expr, below: Expr) -> Expr:
-    """above / below as it stands; ``below`` is kept off zero by the caller."""
+    """Return above / below, unevaluated. The caller ensures that ``below`` is not 0."""
     return times(above, sympy.Pow(below, -1, evaluate=below.is_Rational))
 
 
 def rotated(c: Expr, s: Expr, a: Expr, b: Expr) -> tuple[Expr, Expr]:
-    """The vector (a, b) turned by the angle whose cosine and sine are c and s."""
+    """Rotate a vector counter-clockwise.
+
+    Args:
+        c: The cosine of the angle.
+        s: The sine of the angle.
+        a: The x component of the vector.
+        b: The y component of the vector.
+
+    Returns:
+        The components (x, y) of the rotated vector.
+    """
     return subtract(times(a, c), times(b, s)), add(times(a, s), times(b, c))
 
 
 def rotated_back(c: Expr, s: Expr, a: Expr, b: Expr) -> tuple[Expr, Expr]:
-    """The vector (a, b) turned back by the angle whose cosine and sine are c and s: (a, b) in axes at that angle."""
+    """Rotate a vector clockwise, which expresses it in axes that are rotated counter-clockwise.
+
+    Args:
+        c: The cosine of the angle.
+        s: The sine of the angle.
+        a: The x component of the vector.
+        b: The y component of the vector.
+
+    Returns:
+        The components of the vector along the rotated x axis and y axis.
+    """
     return add(times(c, a), times(s, b)), subtract(times(c, b), times(s, a))
 
 
 def root(a: Expr) -> Expr:
-    """The square root as it stands."""
+    """Return the square root, unevaluated."""
     return sympy.Pow(a, sympy.S.Half, evaluate=False)
 
 
 def norm(*components: Expr) -> Expr:
-    """The length of a vector as it stands."""
+    """Return the Euclidean norm of a vector, unevaluated."""
     return root(add(*(square(c) for c in components)))
 
 
 def square(a: Expr) -> Expr:
-    """a**2 as it stands."""
+    """Return a**2, unevaluated."""
     return sympy.Pow(a, 2, evaluate=False)
 
 
 def select(a: Expr, b: Expr, then: Expr, otherwise: Expr) -> Expr:
-    """``then`` where a < b, else ``otherwise``."""
+    """Return the expression "``then`` if a < b, else ``otherwise``".
+
+    Args:
+        a: The left side of the comparison.
+        b: The right side of the comparison.
+        then: The value if a < b.
+        otherwise: The value if a >= b.
+
+    Returns:
+        An unevaluated `sympy.Piecewise`.
+    """
     condition = sympy.StrictLessThan(a, b, evaluate=False)
     return sympy.Piecewise((then, condition), (otherwise, True), evaluate=False)
 
 
 def maximum(a: Expr, b: Expr) -> Expr:
-    """The larger of two expressions, unevaluated."""
+    """Return the larger of two expressions, unevaluated."""
     return sympy.Max(a, b, evaluate=False)
 
 
 def minimum(a: Expr, b: Expr) -> Expr:
-    """The smaller of two expressions, unevaluated."""
+    """Return the smaller of two expressions, unevaluated."""
     return sympy.Min(a, b, evaluate=False)
 
 
 def kept_between(low: Expr, a: Expr, high: Expr) -> Expr:
-    """``a``, or the end of [low, high] that it lies beyond, unevaluated."""
+    """Clamp ``a`` to an interval, unevaluated.
+
+    Args:
+        low: The lower end.
+        a: The expression.
+        high: The upper end.
+
+    Returns:
+        The expression clamped to [low, high], as a `Clamp` if the interval is symmetric about 0.
+    """
     return Clamp(a, high, evaluate=False) if high == -low else maximum(low, minimum(high, a))
 
 
 def at_least(a: Expr, least: Expr) -> Expr:
-    """A divisor: ``a``, or ``least`` > 0 with the sign of a where a is nearer to zero, unevaluated."""
+    """Return a divisor kept off zero: ``a``, or ``least`` > 0 with the sign of a if |a| < ``least``; unevaluated."""
     return AtLeast(a, least, evaluate=False)
 
 
 def with_sign_of(a: Expr, b: Expr) -> Expr:
-    """-a where b < 0, else a, unevaluated. Either is right where b is 0: code may read the sign of a -0."""
+    """Return -a if b < 0, else a, unevaluated. For b = 0 both are right, because code may read the sign of -0.0."""
     return WithSignOf(a, b, evaluate=False)
 
 
 def rounding_error(a: Expr, b: Expr) -> Expr:
-    """What code loses when it rounds ``compensated(a, b)``, unevaluated."""
+    """Return the rounding error of a + b in generated code, unevaluated."""
     return RoundingError(a, b, evaluate=False)
 
 
 def absolute(a: Expr) -> Expr:
-    """|a|, unevaluated."""
+    """Return |a|, unevaluated."""
     return a if a.is_zero else sympy.Abs(a, evaluate=False)
 
 
 def angle_of(y: Expr, x: Expr) -> Expr:
-    """atan2(y, x), unevaluated; atan2(0, 0) = 0 in every backend."""
+    """Return atan2(y, x), unevaluated; atan2(0, 0) = 0 in every back end."""
     return sympy.atan2(y, x, evaluate=False)
 
 
 def arctangent(a: Expr) -> Expr:
-    """atan(a), unevaluated."""
+    """Return atan(a), unevaluated."""
     return sympy.atan(a, evaluate=False)
 
 
 def nearest(a: Expr) -> Expr:
-    """The whole number nearest to a, ties to even, unevaluated."""
+    """Return the integer nearest to a, ties to even, unevaluated."""
     return Nearest(a, evaluate=False)
 
 
 def alternating(n: Expr) -> Expr:
-    """(-1)**n of a `nearest` whole number, unevaluated."""
+    """Return (-1)**n for an integer n from `nearest`, unevaluated."""
     return sympy.Pow(-1, n, evaluate=False)

@@ -123,12 +123,14 @@ def test_calibration_goes_by_the_joints() -> None:
 
 
 @pytest.mark.parametrize(
-    ("gyro", "problem"),
-    [("gyro: {weight: 0}", "weight of the gyro is 0"), ("gyro: {constant: -1 rad/s}", "constant of the noise of gyro"),
-     ("gyro: {sigma: 1 rad/s}", "Did you mean constant"), ("imu: {}", "Did you mean gyro"),
-     ("gyro: yes", "must be a mapping"), ("gyro: {}\nparameters: {gyro: 1}", "parameter gyro")],
+    ("gyro", "code", "at", "instead"),
+    [("gyro: {weight: 0}", "WMR109", "0}", "0.25"), ("gyro: {constant: -1 rad/s}", "WMR109", "-1 rad/s", "0"),
+     ("gyro: {sigma: 1 rad/s}", "WMR102", "sigma", "constant"), ("imu: {}", "WMR102", "imu", "gyro"),
+     ("gyro: yes", "WMR104", "yes", "gyro: {"), ("gyro: {}\nparameters: {gyro: 1}", "WMR109", "1}", "name")],
 )  # fmt: skip
-def test_gyros_that_make_no_sense(gyro: str, problem: str) -> None:
+def test_gyros_that_make_no_sense(gyro: str, code: str, at: str, instead: str) -> None:
     with pytest.raises(RobotFileError) as caught:
         _ = of_text(robot_text(LAYOUTS["differential"], extra=f"{gyro}\n")).robot
-    assert problem in str(caught.value)
+    mark = caught.value.mark
+    assert caught.value.code == code and instead in caught.value.instead
+    assert mark is not None and mark.text[mark.column - 1 :].startswith(at)

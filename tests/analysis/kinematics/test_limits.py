@@ -127,6 +127,7 @@ def test_coupled_wheels_keep_the_limits_of_all(limits: tuple[tuple[int, int], ..
 
 
 def test_coupled_wheels_without_a_common_angle_are_refused() -> None:
-    with pytest.raises(RobotFileError, match="steer limits of a and b have no value in common") as refusal:
+    with pytest.raises(RobotFileError) as caught:
         derived(coupled((-45, 45), (10, 35)))
-    assert "equal: [a.steer, b.steer]" in str(refusal.value)
+    assert caught.value.code == "WMR109" and {"a", "b", "steer"} <= {*caught.value.what.split()}
+    assert caught.value.mark and "equal: [a.steer, b.steer]" in caught.value.mark.text

@@ -1,4 +1,4 @@
-"""Twists that a robot admits where wheels agree on a line or at a point alone."""
+"""Admissible twists of robots whose couplings leave a line or a cone of twists."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import wmrgen
-from wmrgen.analysis.mobility.admissible import _conic, components
+from wmrgen.analysis.mobility.admissible import components
 
 
 def test_wheels_that_only_one_motion_suits(tmp_path: Path) -> None:
@@ -41,7 +41,7 @@ def test_a_cone_is_a_twist_of_the_form_and_its_tangent_plane(signs: tuple[int, i
     random = np.random.default_rng(7)
     turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
     form = turn @ np.diag(np.array(signs) * (0.3, 1.1, 2.7)) @ turn.T
-    (cone,) = _conic(form, np.eye(3))
+    (cone,) = components(np.zeros((0, 3)), [form])
     assert not cone.linear and cone.dimension == 2 and len(cone.tangent) == 2
     assert abs(cone.sample @ form @ cone.sample) < 1e-12 < np.linalg.norm(cone.sample)
     assert np.abs(cone.tangent @ form @ cone.sample).max() < 1e-12
@@ -49,4 +49,4 @@ def test_a_cone_is_a_twist_of_the_form_and_its_tangent_plane(signs: tuple[int, i
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_definite_form_has_no_twist_but_rest(sign: int) -> None:
-    assert _conic(sign * np.diag((0.3, 1.1, 2.7)), np.eye(3)) == []
+    assert components(np.zeros((0, 3)), [sign * np.diag((0.3, 1.1, 2.7))]) == []

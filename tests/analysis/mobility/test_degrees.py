@@ -1,4 +1,4 @@
-"""Degrees, ranks, null space, growth vector and texts of one robot fit each other; both sides of their thresholds."""
+"""Degrees, ranks, null space and growth vector of one robot are consistent; both sides of their thresholds."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import wmrgen
 from tests.analysis.mobility.test_couplings import AXLE
 from tests.laws.common import NAMES, derived, gallery
 from tests.oracle.compare import consistent
-from wmrgen.analysis.mobility.configure import _spin_row
+from wmrgen.analysis.mobility.configure import spin_row
 from wmrgen.analysis.mobility.ranks import bracket, null_basis, numeric_rank
 from wmrgen.robotfile.load import read_text
 
@@ -84,4 +84,4 @@ wheels:
     for w, g, r in zip(robot.wheels, (gamma, 0.0), (0.05, 0.07), strict=True):
         turned, alpha = heading + np.pi / 2 + g, np.angle(w.pivot)
         row = np.array([np.sin(turned), -np.cos(turned), -abs(w.pivot) * np.cos(turned - alpha)])
-        assert _spin_row(robot, w.index, {}) == pytest.approx(row / (r * np.cos(g)))
+        assert spin_row(robot, w.index, {}) == pytest.approx(row / (r * np.cos(g)))

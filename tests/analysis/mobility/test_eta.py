@@ -1,4 +1,4 @@
-"""Coordinates of the admissible twists are speeds: of the steered wheels' pivots, where they stand straight."""
+"""The coordinates eta of admissible twists are speeds of the steered wheels' pivots at steering angles of zero."""
 
 from __future__ import annotations
 

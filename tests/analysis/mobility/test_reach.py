@@ -1,4 +1,4 @@
-"""Degrees of freedom are what the motions reach, also where castors choose which motions there are."""
+"""Degrees of freedom equal the dimensions that motions reach, also if castor angles determine the motions."""
 
 from __future__ import annotations
 

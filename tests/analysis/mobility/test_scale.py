@@ -1,4 +1,4 @@
-"""Neither the unit of length nor the place of P matters."""
+"""Degrees do not depend on the unit of length or on the position of P."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def facts(spec: RobotSpec) -> dict[str, object]:
         "ranks": (m.rank_C1f.value, m.rank_C1.value),
         "exact": (m.rank_C1f.exact, m.rank_C1.exact), "dof": (m.ddof, m.dof), "growth": m.growth_vector,
         "type": (m.robot_type, m.degenerate, m.holonomic), "actuation": m.actuation,
-        "reasons": sum("close call" not in r for r in m.reasons),
+        "reasons": [r.key for r in m.explanation if r.key != "rank_uncertain"],
         "singularities": [(s.kind, s.wheels) for s in m.singularities],
     }  # fmt: skip
 

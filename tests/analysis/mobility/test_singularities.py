@@ -1,8 +1,9 @@
-"""Where the model is singular, in symbols: the conditions vanish there and nowhere beside."""
+"""Singularities in symbols: the conditions vanish in singular states and nowhere else."""
 
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,7 @@ def test_two_steered_axles_on_one_line() -> None:
     """Headings square to the line between the pivots; another wheel decides then, unless it stands on it too."""
     a, b, _ = STEERED
     (shared,) = of(STEERED, "shared_axle")
-    assert shared.wheels == ("a", "b") and shared.meaning.endswith("another steered wheel does")
+    assert shared.wheels == ("a", "b") and "C1" not in shared.meaning
     across = math.atan2(b["y"] - a["y"], b["x"] - a["x"]) + math.pi / 2
     for i, (first, second, there) in enumerate(
         ((across, across, True), (across, across + math.pi, True), (across, 0.3, False), (0.3, across, False))
@@ -57,9 +58,7 @@ def test_two_steered_axles_on_one_line() -> None:
     in_line = [wheel(name, "steered", x, 0.1) for name, x in (("a", 0.3), ("b", -0.2), ("c", -0.5))]
     for wheels in (STEERED[:2], in_line):
         (shared,) = of(wheels, "shared_axle")
-        assert shared.meaning.endswith(
-            ", and rank C1 falls from 2 to 1: the robot can turn about any point of that line"
-        )
+        assert re.findall(r"\bC1\b|\b\d\b", shared.meaning) == ["C1", "2", "1"]
 
 
 def test_axles_that_one_angle_turns_are_not_one_line() -> None:
@@ -75,7 +74,7 @@ def test_axles_that_one_angle_turns_are_not_one_line() -> None:
         wheel("c", "steered", -0.5, 0.1, heading=0.3),
     ]
     (shared,) = of(in_line, "shared_axle", "b", "c")
-    assert "a" in shared.wheels and shared.meaning.endswith("another steered wheel does")
+    assert "a" in shared.wheels and "C1" not in shared.meaning
 
 
 def test_coupled_spins_decide_where_steered_axles_are_one_line() -> None:
@@ -83,7 +82,7 @@ def test_coupled_spins_decide_where_steered_axles_are_one_line() -> None:
     a, b = wheel("a", "steered", 0.3, 0.1, r=0.1), wheel("b", "steered", -0.3, 0.1, r=0.2)
     for wheels in ([a, b], [a, b, wheel("c", "castor", -0.4, 0.3, d=0.1)]):
         (shared,) = of(wheels, "shared_axle", "a", "b", joint="spin")
-        assert shared.wheels == ("a", "b") and shared.meaning.endswith("the coupled spins do")
+        assert shared.wheels == ("a", "b") and "coupled" in shared.meaning
 
 
 def test_a_fixed_axle_is_shared_with_no_steered_wheel() -> None:
@@ -99,9 +98,7 @@ def test_a_driven_wheel_on_the_icr_drives_nothing() -> None:
     """The rear wheel of a bicycle whose front wheel stands square; two rear wheels do not stand still together."""
     rear = wheel("r", "fixed", 0.0, 0.0)
     (still,) = of([rear, STEERS], "drive")
-    assert still.wheels == ("r",) and still.meaning == (
-        "`r` stands still whatever the robot does there: it drives and measures nothing"
-    )
+    assert still.wheels == ("r",) and "`r`" in still.meaning
     (condition,) = still.conditions
     assert isinstance(condition, Poly)
     assert at(condition, f=math.pi / 2) == pytest.approx(0, abs=1e-12) and abs(at(condition, f=1.5)) > 0.01
@@ -118,10 +115,7 @@ def test_driven_wheels_of_one_condition_stand_still_together() -> None:
     rear = wheel("r", "fixed", 0.0, 0.0)
     twin = wheel("t", "fixed", 0.0, 0.0, r=0.2)
     (still,) = of([rear, twin, STEERS], "drive")
-    assert still.meaning.startswith("`r` and `t` stand still") and still.meaning.endswith(
-        "they drive and measure nothing"
-    )
-    assert len(still.conditions) == 1
+    assert still.wheels == ("r", "t") and len(still.conditions) == 1
     (still,) = of([rear, twin, wheel("u", "fixed", 0.0, 0.0, r=0.3), STEERS], "drive")
     assert still.wheels == ("r", "t", "u") and not still.everywhere  # at one steering angle alone
 
@@ -141,7 +135,7 @@ def test_rollers_of_an_x(tmp_path: Path) -> None:
     )
     mobility = wmrgen.derive(wmrgen.load(path)).mobility
     (lost,) = (s for s in mobility.singularities if s.kind == "rolling_rank")
-    assert lost.wheels == ("w0", "w1", "w2", "w3") and "not an X" in lost.meaning and lost.everywhere
+    assert lost.wheels == ("w0", "w1", "w2", "w3") and lost.everywhere
     conditions = [expression(p) for c in lost.conditions for p in (c if isinstance(c, tuple) else (c,))]
     assert conditions and len(set(conditions)) == len(conditions)
     for a, b in ((0.25, 0.25), (0.4, 0.4), (0.4, 0.25)):

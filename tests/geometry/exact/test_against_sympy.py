@@ -12,7 +12,7 @@ import sympy
 
 from tests.depth import everyday
 from wmrgen.functions.models.polynomials import by_angle
-from wmrgen.geometry.exact.evaluate import _rounded, circle, twelfths
+from wmrgen.geometry.exact.evaluate import circle, rounded, twelfths
 from wmrgen.geometry.exact.linalg import adjugate, determinant, inverse
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.exact.poly import Gen, Poly, derivative
@@ -107,7 +107,7 @@ def test_reals_become_fractions_of_forty_digits(exponent: int) -> None:
     power = Fraction(10) ** exponent
     with mpmath.workdps(80):
         ten = mpmath.mpf(10) ** exponent
-        thirds = [_rounded(k * ten / 3) for k in (1, -2)]
-        assert _rounded(ten) == Exact(power)
+        thirds = [rounded(k * ten / 3) for k in (1, -2)]
+        assert rounded(ten) == Exact(power)
     assert thirds == [Exact(int(digits) * power / 10**40) for digits in ("3" * 40, "-" + "6" * 39 + "7")]
-    assert _rounded(mpmath.mpf(0)) == Exact(0)
+    assert rounded(mpmath.mpf(0)) == Exact(0)

@@ -1,8 +1,9 @@
-"""Angles that were meant to be special: what is snapped, what is kept, and how a note names the multiple of pi/12."""
+"""Snapping of angles: which angles are snapped, which are kept, and how a note names the multiple of pi/12."""
 
 from __future__ import annotations
 
 import math
+import re
 from fractions import Fraction
 
 import pytest
@@ -24,24 +25,23 @@ def near(k: int, error: str) -> Poly:
 
 @pytest.mark.parametrize("k", TEXTS)
 @pytest.mark.parametrize("side", ["", "-"])
-def test_an_angle_is_taken_as_what_it_stands_for(k: int, side: str) -> None:
+def test_an_angle_near_a_multiple_is_snapped(k: int, side: str) -> None:
     angle, note = snap(near(k, f"{side}0.0005"), {}, NONE, "left: heading")
     assert angle == PI.scale(Fraction(k, 12))
     assert note is not None and note.startswith("left: heading: ")
-    assert note.endswith(f" rad is taken as {TEXTS[k]} (0.0005 rad away)")
+    assert re.search(rf"(?<![\w*-]){re.escape(TEXTS[k])}(?![\w/*])", note) and "0.0005 rad" in note
 
 
 @pytest.mark.parametrize("k", TEXTS)
 @pytest.mark.parametrize("side", ["", "-"])
 def test_both_sides_of_the_thresholds(k: int, side: str) -> None:
-    for error, words in (
-        ("0.00199", "taken as"),
-        ("0.00201", "kept as written"),
-        ("0.0049", "kept as written"),
-    ):
+    notes = []
+    for error, snapped in (("0.00199", True), ("0.00201", False), ("0.0049", False)):
         angle, note = snap(near(k, side + error), {}, NONE, "x")
-        assert note is not None and words in note and TEXTS[k] in note
-        assert (angle == near(k, side + error)) == (words == "kept as written")
+        assert note is not None and TEXTS[k] in note
+        assert angle == (PI.scale(Fraction(k, 12)) if snapped else near(k, side + error))
+        notes.append(re.sub(r"[\d.]+", "", note))
+    assert notes[0] != notes[1] == notes[2]  # different words for a snapped angle
     far = near(k, f"{side}0.0051")
     assert snap(far, {}, NONE, "x") == (far, None)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -56,25 +57,26 @@ def test_without_a_range_it_is_ten_percent(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("half", "message", "place"),
+    ("half", "code", "place", "named"),
     [
-        ("[0.2, 0.1]", "runs from 0.2 to 0.1", "5:37"),
-        ("[0.1655, 0.1655]", "runs from 0.1655", "5:37"),
-        ("[0.17, 0.2]", "outside its range", "5:37"),
-        ("[0.1, 0.16]", "outside its range", "5:42"),
-        ("[0.1]", "has 1 value", "5:36"),
-        ("[0.1, 0.2, 0.3]", "has 3 values", "5:36"),
-        ("[0.1, 20 deg]", "is a length, and '20 deg' is an angle", "5:42"),
-        ("[0.1, 2*toe]", "depends on the tunable parameter toe", "5:42"),
-        ("[0.1, 2*half]", "depends on the tunable parameter half", "5:42"),
-        ("[0.1, wide]", "not a declared parameter", "5:42"),
-        ("0.2", "is not known", "5:36"),
+        ("[0.2, 0.1]", "WMR109", "5:37", ["half", "0.2", "0.1"]),
+        ("[0.1655, 0.1655]", "WMR109", "5:37", ["half", "0.1655"]),
+        ("[0.17, 0.2]", "WMR109", "5:37", ["half", "0.1655", "0.17", "0.2"]),
+        ("[0.1, 0.16]", "WMR109", "5:42", ["half", "0.1655", "0.1", "0.16"]),
+        ("[0.1]", "WMR104", "5:36", ["half", "1"]),
+        ("[0.1, 0.2, 0.3]", "WMR104", "5:36", ["half", "3"]),
+        ("[0.1, 20 deg]", "WMR104", "5:42", ["half", "20", "deg"]),
+        ("[0.1, 2*toe]", "WMR109", "5:42", ["half", "toe"]),
+        ("[0.1, 2*half]", "WMR109", "5:42", ["half"]),
+        ("[0.1, wide]", "WMR107", "5:42", ["wide"]),
+        ("0.2", "WMR104", "5:36", ["0.2"]),
     ],
 )
-def test_refused(half: str, message: str, place: str, tmp_path: Path) -> None:
-    with pytest.raises(RobotFileError, match=message) as caught:
+def test_refused(half: str, code: str, place: str, named: list[str], tmp_path: Path) -> None:
+    with pytest.raises(RobotFileError) as caught:
         robot(tmp_path, half)
-    assert str(caught.value.mark).endswith(f":{place}")
+    assert (caught.value.code, str(caught.value.mark)[-len(place) - 1 :]) == (code, f":{place}")
+    assert {*named} <= {*re.findall(r"[\w.]+", caught.value.what)}
 
 
 def test_bounds_and_the_model_have_it(tmp_path: Path) -> None:

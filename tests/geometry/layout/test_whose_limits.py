@@ -1,4 +1,4 @@
-"""Whose the limits of the robot are: of every joint that is commanded; a passive one has none but its wheel's own."""
+"""The robot's limits apply to every commanded joint; a passive joint has only the limits of its own wheel."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_a_wheel_coupled_to_a_driven_one_keeps_its_limit() -> None:
     assert robot.limit(robot.wheel("idle"), "spin") == robot.limit(robot.wheel("left"), "spin")
 
 
-def test_what_a_passive_joint_measures_may_be_what_the_twist_makes_it() -> None:
+def test_a_passive_joint_may_turn_as_fast_as_the_twist_requires() -> None:
     """A 25 mm castor at 1 m/s turns at 40 rad/s, which the checked `forward` must take."""
     text = WHEELS.format(own="").partition("  - {name: front")[0] + WHEELS.splitlines()[-2].format() + "\n"
     robot = of_text(text)

@@ -1,4 +1,4 @@
-"""Inverse and forward kinematics, odometry and the posture model, in symbols."""
+"""Kinematics in symbols: inverse, forward, odometry and the posture model."""
 
 from wmrgen.analysis.kinematics.contacts import contacts
 from wmrgen.analysis.kinematics.forward import forward

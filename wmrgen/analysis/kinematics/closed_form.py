@@ -1,15 +1,14 @@
-"""The least-squares twist of rows whose geometry stays symbolic, in as few operations as a candidate needs.
+"""The least-squares twist of rows with symbolic geometry, in the exact form that needs the fewest operations.
 
-With H the rows, W their weights and z their values, the twist is (H^T W H)^-1 H^T W z. Several exact forms compete:
+With H the rows, W their weights and z their values, the twist is (H^T W H)^-1 H^T W z. It can be written in several
+exact forms:
 
-* three rows: H^-1 z, so that the residual is 0 and the condition number is not squared;
-* written out, each component as one fraction in lowest terms;
+* for three rows, H^-1 z, so that the residual is 0 and the condition number is not squared;
+* written out, with each component as one fraction in lowest terms;
 * step by step, with names for the entries of H^T W H, which `prepare` computes once.
 
-The residual of four rows has one degree of freedom. With w the null vector of H^T it is |w . z| / |w|: for a mecanum
-base a number times the difference of two sums of spins. The residual of more rows is the norm of z - H xi.
-
-All forms have the same value. The one with the fewest operations is taken.
+The residual of four rows has one degree of freedom. With w the null vector of H^T it is |w . z| / |w|. For a mecanum
+base this is a number times the difference of two sums of spins. The residual of more rows is the norm of z - H xi.
 """
 
 from __future__ import annotations
@@ -38,42 +37,47 @@ from wmrgen.geometry.exact.poly import Poly, Row, dot, triple
 from wmrgen.geometry.symbolic import Expr, Input, expression, times
 
 Twist = tuple[Expr, Expr, Expr]
-# Terms of a component beyond which it is not written out, and no common divisor is looked for. Four omni wheels with a
-# length each have 64 of them. Six have 216: written out they take 610 operations, step by step 130, and the common
-# divisors of their eighteen parameters took four seconds.
+# The most terms of a component that is written out. Four omni wheels with a length each have 64 terms. Six have 216:
+# written out they take 610 operations, step by step 130, and the common divisors of their parameters took 4 seconds.
 MOST_TERMS = 100
 _ONE = Poly.of(1)
 
 
 class Solution(NamedTuple):
-    """A twist and the norm of its residual, over the intermediate results ``names``."""
+    """A twist and the norm of its residual."""
 
     twist: Twist
-    slip: Expr
-    names: Locals
+    slip: Expr  # norm of the residual [m/s]
+    names: Locals  # intermediate results of both
 
 
 class Merged(NamedTuple):
-    """Rows of which no two are proportional, and what proportional ones contradict each other by, with weights."""
+    """Rows without proportional pairs."""
 
     rows: list[Measured]
+    # Differences between the values of proportional rows, and their weights.
     differences: list[tuple[Poly, Exact]]
 
 
-def solve_symbolic(rows: Sequence[Measured], names: Locals) -> Solution:
-    """Return the least-squares twist of rows that have rank 3 where tunable parameters are nominal.
+def solve_symbolic(rows: Sequence[Measured], names: Locals, most_terms: int = MOST_TERMS) -> Solution:
+    """Return the least-squares twist of rows that have rank 3 for nominal parameters.
 
     Args:
         rows: Measured rows [m/s over m/s, m/s, rad/s], geometry in symbols, no joint angle.
         names: Intermediate results that the values of the rows refer to.
+        most_terms: The most terms of a component that is written out.
+
+    Returns:
+        The exact form with the fewest operations.
     """
     merged = merge(rows)
     solve, own = _square_steps if len(merged.rows) == 3 else _steps, names.copy()
     twists = [(solve(merged.rows, own), own)]
-    products = written_out(rows)
+    products = written_out(rows, most_terms)
     if products is not None:
         twists.append(([_expression(p) for p in products], names.copy()))
-    forms, weights = [form for form, _ in merged.differences], [weight for _, weight in merged.differences]
+    forms = [form for form, _ in merged.differences]
+    weights = [weight for _, weight in merged.differences]
     solutions = []
     for twist, own in twists:
         if len(merged.rows) > 3:
@@ -89,7 +93,7 @@ def solve_symbolic(rows: Sequence[Measured], names: Locals) -> Solution:
 
 
 def merge(rows: Sequence[Measured]) -> Merged:
-    """Proportional rows as one row: its value is their weighted mean, its weight the sum of theirs."""
+    """Merge proportional rows into one row with the weighted mean of their values and the sum of their weights."""
     own: list[Measured] = []
     differences: list[tuple[Poly, Exact]] = []
     for row, value, weight in rows:
@@ -108,7 +112,7 @@ def merge(rows: Sequence[Measured]) -> Merged:
 
 
 def _proportion(row: Row, other: Row) -> Exact | None:
-    """k where row = k other, else None."""
+    """Return k if row = k other, else None."""
     if any(bool(a) != bool(b) for a, b in zip(row, other, strict=True)):
         return None
     ratios = {ratio_of(a, b) for a, b in zip(row, other, strict=True) if a}
@@ -118,14 +122,15 @@ def _proportion(row: Row, other: Row) -> Exact | None:
 # ---- the twist
 
 
-def written_out(rows: Sequence[Measured]) -> list[Product] | None:
+def written_out(rows: Sequence[Measured], most_terms: int = MOST_TERMS) -> list[Product] | None:
     """Return the least-squares twist of rows of rank 3, each component as one product in lowest terms.
 
     Args:
         rows: Measured rows [m/s over m/s, m/s, rad/s], geometry in symbols, no joint angle in a row.
+        most_terms: The most terms of a component.
 
     Returns:
-        vx, vy [m/s] and omega [rad/s]; None where a component has more than `MOST_TERMS` terms.
+        vx, vy [m/s] and omega [rad/s]; None if a component has more terms.
     """
     plain = [(triple(map(unrelated, row)), unrelated(z), weight) for row, z, weight in merge(rows).rows]
     if len(plain) == 3:
@@ -134,12 +139,13 @@ def written_out(rows: Sequence[Measured]) -> list[Product] | None:
         normal, values = normal_equations(plain)
         matrix = [[shorter(p) for p in row] for row in normal]
     # An entry of the adjugate has T**2 terms for T terms in an entry of the matrix.
-    entry, value = (max(len(p.terms) for p in entries) for entries in (chain(*matrix), values))
-    return _by_cramer(matrix, values) if entry**2 * value <= MOST_TERMS else None
+    entry = max(len(p.terms) for p in chain(*matrix))
+    value = max(len(p.terms) for p in values)
+    return _by_cramer(matrix, values) if entry**2 * value <= most_terms else None
 
 
 def _by_cramer(matrix: Sequence[Sequence[Poly]], values: Sequence[Poly]) -> list[Product]:
-    """matrix^-1 values, each component as geometry times a sum: adjugate over determinant, in lowest terms."""
+    """Return matrix^-1 values by Cramer's rule, each component as geometry times a sum in lowest terms."""
     det = shorter(determinant(matrix))
     results = []
     for row in adjugate(matrix):
@@ -157,13 +163,13 @@ def _expression(p: Product) -> Expr:
 
 
 def _square_steps(rows: Sequence[Measured], names: Locals) -> list[Expr]:
-    """adj(H) z / det(H) with names for entries, cofactors and determinant."""
+    """Return adj(H) z / det(H) with names for entries, cofactors and determinant."""
     named = _named(rows, names)
     matrix = [list(row) for row, _, _ in named]
-    adj = [
-        [names.short(f"adj{j}{i}", cofactor(matrix, i, j), f"adj(H)[{j}][{i}]") for i in range(3)]
-        for j in range(3)
-    ]
+    adj: list[list[Poly]] = [[], [], []]
+    for j in range(3):
+        for i in range(3):
+            adj[j].append(names.short(f"adj{j}{i}", cofactor(matrix, i, j), f"adj(H)[{j}][{i}]"))
     det = dot(matrix[0], [row[0] for row in adj])
     factor = names.short("det", det, "det(H)").inverse()
     values = [z for _, z, _ in named]
@@ -171,12 +177,12 @@ def _square_steps(rows: Sequence[Measured], names: Locals) -> list[Expr]:
 
 
 def _steps(rows: Sequence[Measured], names: Locals) -> list[Expr]:
-    """H^T W H = L D L^T, eliminated step by step; constant pivots first, for they take no division."""
+    """Return the twist by elimination, H^T W H = L D L^T, with constant pivots first because they need no division."""
     normal, moment = normal_equations(_named(rows, names))
-    n = {
-        (i, j): names.short(f"n{i}{j}", normal[i][j], f"HtH[{i}][{j}]") for i in range(3) for j in range(i, 3)
-    }
-    n |= {(j, i): p for (i, j), p in n.items()}
+    n: dict[tuple[int, int], Poly] = {}
+    for i in range(3):
+        for j in range(i, 3):
+            n[i, j] = n[j, i] = names.short(f"n{i}{j}", normal[i][j], f"HtH[{i}][{j}]")
     b = [names.short(f"b{i}", p, f"Htz[{i}]") for i, p in enumerate(moment)]
     left = [0, 1, 2]
     order: list[int] = []
@@ -201,7 +207,7 @@ def _steps(rows: Sequence[Measured], names: Locals) -> list[Expr]:
 
 
 def _named(rows: Sequence[Measured], names: Locals) -> list[Measured]:
-    """The rows with names for entries that are sums."""
+    """Return the rows with names for entries that are sums."""
     named: list[Measured] = []
     for i, (row, z, weight) in enumerate(rows):
         entries = triple(names.short(f"row{i}_{k}", p) for k, p in zip("xyw", row, strict=True))
@@ -210,7 +216,7 @@ def _named(rows: Sequence[Measured], names: Locals) -> list[Measured]:
 
 
 def _value(i: int, z: Poly, names: Locals) -> Poly:
-    """A measured value [m/s] with a name, unless it is a number or a signal."""
+    """Return a measured value [m/s], with a name unless it is a number or a signal."""
     plain = len(z.terms) < 2 and all(len(m) < 2 and abs(c) == ONE for m, c in z.terms.items())
     return z if plain else names.poly(f"z{i}", z)
 
@@ -219,17 +225,16 @@ def _value(i: int, z: Poly, names: Locals) -> Poly:
 
 
 def _norm_of_errors(rows: Sequence[Measured], twist: list[Expr], names: Locals) -> tuple[Expr, Twist]:
-    """The norm of z - H xi over all rows, and the twist by its names."""
-    fitted = [
-        Poly.gen("local", e.name) if e.is_Symbol else names.poly(k, e)
-        for k, e in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)
-    ]
+    """Return the norm of z - H xi over all rows, and the twist with names for its components."""
+    fitted = []
+    for name, e in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True):
+        fitted.append(Poly.gen("local", e.name) if e.is_Symbol else names.poly(name, e))
     errors = [_value(i, z, names) - dot(row, fitted) for i, (row, z, _) in enumerate(rows)]
     return norm(errors, weights=[weight for _, _, weight in rows]), triple(map(expression, fitted))
 
 
 def _one_relation(rows: Sequence[Measured], names: Locals) -> Poly:
-    """(w . z) / sqrt(w W^-1 w) of four rows with w H = 0: w has the 3x3 minors of H, in lowest terms."""
+    """Return (w . z) / sqrt(w W^-1 w) for four rows, where w H = 0: w has the 3x3 minors of H in lowest terms."""
     matrix = [[unrelated(p) for p in row] for row, _, _ in rows]
     minors = [determinant([row for k, row in enumerate(matrix) if k != i]) for i in range(4)]
     signed = [-p if i % 2 else p for i, p in enumerate(map(shorter, minors))]
@@ -245,9 +250,10 @@ def _one_relation(rows: Sequence[Measured], names: Locals) -> Poly:
 
 
 def operations(names: Locals, results: Sequence[Expr]) -> int:
-    """The operations of these results, each distinct one once; those that a robot does at every step count twice.
+    """Return a cost of these results: the number of distinct operations.
 
-    A product counts once whatever its sign is.
+    Operations that depend on a signal, which the robot computes at every step, count twice. A product with a negative
+    sign counts as one operation.
     """
     values = dict(names.items)
     moves: dict[Expr, bool] = {}  # whether an expression depends on a signal
@@ -263,7 +269,8 @@ def operations(names: Locals, results: Sequence[Expr]) -> int:
             moves[e] = visit(sympy.Mul(*e.args[1:], evaluate=False) if len(e.args) > 2 else e.args[1])
             count += (abs(e.args[0]) != 1) * (1 + moves[e])
         else:
-            moves[e] = sum(visit(a) for a in e.args) > 0 or isinstance(e, Input)  # each is visited
+            # A sum visits all arguments; any() would stop at the first one.
+            moves[e] = sum(visit(a) for a in e.args) > 0 or isinstance(e, Input)
             if e.args and not e.is_Number:
                 count += max(1, len(e.args) - 1) * (1 + moves[e])
         return moves[e]

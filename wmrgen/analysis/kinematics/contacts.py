@@ -1,7 +1,7 @@
-"""What the unconstrained contacts do: rollers of Swedish wheels, whose sizes a design gives, and spheres.
+"""Motion of contacts without a constraint: rollers of Swedish wheels, and spheres.
 
-A roller takes up what the wheel does not: r_sw roller = n_g . v_A + r spin sin gamma (Siegwart (3.20), corrected
-sign). A sphere rolls along the velocity of its contact (Siegwart (3.21), (3.22)).
+A roller allows the motion across the rolling direction of the wheel: r_sw roller = n_g . v_A + r spin sin gamma
+(Siegwart (3.20), with the sign corrected). A sphere rolls along the velocity of its contact (Siegwart (3.21), (3.22)).
 """
 
 from __future__ import annotations
@@ -31,11 +31,12 @@ from wmrgen.geometry.symbolic import (
 )
 
 Outputs = list[tuple[Port, Expr]]
+# Divisors of `quotient` (numbers and sines) below this are treated as 0.
 TINY = number(Exact(Fraction(1, 10**12)))
 
 
 def contacts(robot: Robot) -> Formula | None:
-    """vx vy omega to roller rates and the rolling of spheres; None where the robot has neither.
+    """Return the function from vx, vy, omega to roller rates and the rolling of spheres; None if there are neither.
 
     Rollers need ``r_sw`` in the robot file, spheres ``r``.
     """
@@ -53,7 +54,7 @@ def contacts(robot: Robot) -> Formula | None:
 
 
 def _roller(w: Wheel) -> tuple[Port, Expr]:
-    """(n_g . v_A + tan gamma e_g . v_A) / r_sw, e_g the rolling direction turned by gamma."""
+    """Return (n_g . v_A + tan gamma e_g . v_A) / r_sw, with e_g the rolling direction rotated by gamma."""
     g = working_view(w)
     e = rolling_direction(w, g)
     across = dot(along((-e[1], e[0]), g), XI)
@@ -64,29 +65,33 @@ def _roller(w: Wheel) -> tuple[Port, Expr]:
 
 
 def _sphere(w: Wheel, name: str, names: Locals) -> Outputs:
-    """Direction of the contact's velocity [rad, robot frame] and the roll rate along it [rad/s]."""
-    g = working_view(w)
-    a, b = (
-        names.define(f"{name}_{axis}", part, f"v_A{axis} of {name}")
-        for axis, part in zip("xy", pivot(w, XI), strict=True)
-    )
-    return [
-        (Port(f"{name}.direction", Role.COMMAND, "rad", "direction of rolling, from x"), angle_of(b, a)),
-        (
-            Port(f"{name}.roll", Role.COMMAND, "rad/s", "rate of rolling"),
-            times(expression(g.r.inverse()), norm(a, b)),
-        ),
-    ]
+    """Return the direction of the contact's velocity [rad, robot frame] and the roll rate along it [rad/s]."""
+    g, (vx, vy) = working_view(w), pivot(w, XI)
+    a = names.define(f"{name}_x", vx, f"v_Ax of {name}")
+    b = names.define(f"{name}_y", vy, f"v_Ay of {name}")
+    direction = Port(f"{name}.direction", Role.COMMAND, "rad", "direction of rolling, from x")
+    roll = Port(f"{name}.roll", Role.COMMAND, "rad/s", "rate of rolling")
+    return [(direction, angle_of(b, a)), (roll, times(expression(g.r.inverse()), norm(a, b)))]
 
 
 def quotient(names: Locals, name: str, above: Expr, below: Expr) -> Expr:
-    """above / below, 0 where |below| <= 1e-12; the divisor is kept off zero, and derivatives are finite."""
+    """Divide two expressions, with a result of 0 for a divisor of about 0, so that derivatives are finite.
+
+    Args:
+        names: Collects intermediate results.
+        name: The name of the quotient.
+        above: The numerator.
+        below: The divisor.
+
+    Returns:
+        The symbol of above / below, which is 0 if |below| <= 1e-12.
+    """
     divisor = names.define(f"{name}_divisor", at_least(below, TINY))
     return names.define(name, select(TINY, absolute(below), above / divisor, sympy.S.Zero))
 
 
 def mecanum_roller() -> Formula:
-    """Tzafestas (2.86)-(2.91): sizes of the rollers of a mecanum wheel; 0 for an impossible design."""
+    """Return the function for the roller sizes of a mecanum wheel, Tzafestas (2.86)-(2.91); 0 if impossible."""
     inputs = (
         Port("radius", Role.COMMAND, "m", "radius R of the wheel"),
         Port("count", Role.COMMAND, "", "number of rollers"),

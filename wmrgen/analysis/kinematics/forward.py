@@ -1,8 +1,8 @@
-"""Forward kinematics: sensed joint rates to the twist, least squares over every measured row.
+"""Forward kinematics: from sensed joint rates to the twist, by least squares over all measured rows.
 
-Rolling and sliding rows of a wheel are a rotation of [1 0 -By; 0 1 Bx], so the normal matrix does not see
-the heading. It is constant unless contact points move (castors, offset wheels) or a steered wheel gives one
-row only: what can be inverted now is not inverted on the robot.
+The rolling and the sliding row of a wheel are a rotation of [1 0 -By; 0 1 Bx], so the normal matrix does not depend on
+the heading. It is constant unless contact points move (castors, offset wheels) or a steered wheel measures only one
+row. A constant normal matrix is inverted here, and not on the robot.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.analysis.kinematics.closed_form import Solution, solve_symbolic, written_out
-from wmrgen.analysis.kinematics.gyro import YawRate
 from wmrgen.analysis.kinematics.least_squares import (
     Matrix,
     Measured,
@@ -25,7 +24,7 @@ from wmrgen.analysis.kinematics.least_squares import (
 )
 from wmrgen.analysis.kinematics.records import Formula, Locals, slip_port, tunable_ports
 from wmrgen.analysis.kinematics.rigid import fit_rigid
-from wmrgen.analysis.kinematics.sensing import Twist, measurements, sensed_ports, solve_general
+from wmrgen.analysis.kinematics.sensing import Twist, YawRate, measurements, sensed_ports, solve_general
 from wmrgen.analysis.mobility.ranks import decide, unit_of
 from wmrgen.geometry.exact.evaluate import fix, parameters_in
 from wmrgen.geometry.exact.lowest import Product
@@ -36,22 +35,23 @@ from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.ports import TWIST, Port, Role
 from wmrgen.geometry.symbolic import Expr, add, expression, number, over, root, subtract, times
 
-FEW_ROWS = 16  # beyond, residuals are never zero or one relation in practice: not worth expanding
-MOST_TERMS = 400  # of the twist in tunable parameters: beyond, it is computed step by step
-LONG_NUMBER = (
-    10**15
-)  # no length is written so; the sine of an angle that has no name is a fraction of 40 digits
+FEW_ROWS = (
+    16  # rows: with more, residuals are never 0 or one relation in practice, so they are not written out
+)
+MOST_TERMS = 400  # terms of the twist in tunable parameters: with more, it is computed step by step
+# Numerators and denominators above this come from sines of numeric angles (40 digits), not from lengths in a file.
+LONG_NUMBER = 10**15
 
 
 class NominalRank(NamedTuple):
-    """The rank of H at nominal parameters; ``normal``: H^T W H there, lengths in the robot's unit, None at rank 3."""
+    """The rank of H at nominal parameters."""
 
     value: int
-    normal: list[list[Exact]] | None
+    normal: list[list[Exact]] | None  # H^T W H with lengths in the robot's unit; None at rank 3
 
 
 def forward(robot: Robot) -> Formula:
-    """Sensed joint rates to vx vy omega and the residual norm ``slip``."""
+    """Return the function from sensed joint rates to vx, vy, omega and the residual norm ``slip``."""
     names = Locals()
     measured = measurements(robot, names)
     if measured.constant_normal:
@@ -70,21 +70,23 @@ def forward(robot: Robot) -> Formula:
 
 
 def readable_twist(robot: Robot) -> list[Product] | None:
-    """Return the twist that `forward` gives as a reader writes it: components as products in lowest terms.
+    """Return the twist of `forward` in a form for reports, with components as products in lowest terms.
 
-    None where there is no such form: the rows do not determine the twist, they move with joint angles, all geometry is
-    numbers, or a component is long.
+    Return None if the rows do not determine the twist or depend on joint angles, if all geometry is numbers, or if a
+    component is long.
     """
     measured = measurements(robot)
     rows = measured.rows
-    entries = [p for row, value, _ in rows for p in (*row, value)]
+    entries: list[Poly] = []
+    for row, value, _ in rows:
+        entries += (*row, value)
     named = any(parameters_in(p) for p in entries)
     if not (named and measured.constant_normal) or any(map(_has_long_numbers, entries)):
         return None
     if nominal_rank(rows, robot).value < 3:
         return None
     products = written_out(rows)
-    return products and [readable(product) for product in products]
+    return None if products is None else [readable(product) for product in products]
 
 
 def _has_long_numbers(p: Poly) -> bool:
@@ -92,30 +94,33 @@ def _has_long_numbers(p: Poly) -> bool:
 
 
 def disagreement(robot: Robot) -> Formula | None:
-    """Sensed joint rates to what each measured row z - H xi [m/s] is of the twist that `forward` makes of them, times
-    the root of its weight; None where joints tell no more than a twist. Errors of joints are angles: so that parameters
-    do not make them smaller, a row counts by the nominal radius of its wheel, whatever the tunable one is."""
+    """Return the function from sensed joint rates to the residual of each measured row.
+
+    A residual is z - H xi [m/s] for the twist xi of `forward`, times the root of the weight. Each row is scaled to the
+    nominal radius of its wheel, so that a calibration cannot reduce the residuals by smaller radii. Return None if the
+    joints measure no more than a twist.
+    """
     names, twist = Locals(), forward(robot)
     if {port.name: value for port, value in twist.outputs}["slip"] is sympy.S.Zero:
         return None
     fitted = names.adopt(twist, {})
     outputs: list[tuple[Port, Expr]] = []
     for measured in measurements(robot).all:
-        wheel = None if isinstance(measured, YawRate) else measured.wheel
-        rolls = wheel is not None and "spin" in wheel.sensed
-        radius = expression(wheel.working.rolling_radius) if wheel and rolls else sympy.S.One
-        nominal = number(wheel.nominal.rolling_radius) if wheel and rolls else sympy.S.One
+        radius = nominal = sympy.S.One
+        if not isinstance(measured, YawRate) and "spin" in measured.wheel.sensed:
+            radius = expression(measured.wheel.working.rolling_radius)
+            nominal = number(measured.wheel.nominal.rolling_radius)
         for row, value, weight in measured.rows:
             explained = add(*(times(expression(p), fitted[v.name]) for p, v in zip(row, TWIST, strict=True)))
             off = over(times(nominal, root(number(weight)), subtract(expression(value), explained)), radius)
-            port = Port(f"row_{len(outputs)}", Role.COMMAND, "m/s", "what a measured row is off by")
+            port = Port(f"row_{len(outputs)}", Role.COMMAND, "m/s", "residual of a measured row")
             outputs.append((port, off))
-    text = "sensed joint rates to what each measured row is off by"
+    text = "sensed joint rates to the residual of each measured row"
     return names.formula("disagreement", twist.inputs, outputs, text)
 
 
 def _constant(rows: list[Measured], robot: Robot, names: Locals) -> Solution:
-    """xi = (H^T W H)^+ H^T W z with everything but z computed at derivation time."""
+    """Return xi = (H^T W H)^+ H^T W z, with everything except z computed at derivation time."""
     if not rows:
         return Solution((sympy.S.Zero,) * 3, sympy.S.Zero, names)
     rank = nominal_rank(rows, robot)
@@ -136,43 +141,48 @@ def _constant(rows: list[Measured], robot: Robot, names: Locals) -> Solution:
 
 
 def nominal_rank(measured: list[Measured], robot: Robot) -> NominalRank:
-    """The rank at nominal parameters, decided in the robot's own unit."""
+    """Return the rank of measured rows at nominal parameters, determined in the robot's own unit."""
     nominal = {p.name: Poly.of(p.nominal) for p in robot.parameters if p.tunable}
     unit, rows = unit_of(robot), [row for row, _, _ in measured]
     rank = decide(_numbers([unit.own_row(r) for r in rows], nominal))
     if rank.value == rank.exact == 3:
         return NominalRank(3, None)
     about_P = unit._replace(centre=(Fraction(0), Fraction(0)))
-    numbers = zip(
-        _numbers([about_P.own_row(r) for r in rows], nominal), (m[2] for m in measured), strict=True
-    )
-    weighed = [(r, weight) for r, weight in numbers]
-    normal = [[sum((r[i] * r[j] * w for r, w in weighed), ZERO) for j in range(3)] for i in range(3)]
+    numbers = _numbers([about_P.own_row(r) for r in rows], nominal)
+    normal = [[ZERO] * 3 for _ in range(3)]
+    for r, (_, _, weight) in zip(numbers, measured, strict=True):
+        for i in range(3):
+            for j in range(3):
+                normal[i][j] += r[i] * r[j] * weight
     return NominalRank(rank.value, normal)
 
 
 def _numbers(rows: list[Row], nominal: Mapping[str, Poly]) -> list[list[Exact]]:
-    numbers = [[v for p in row if (v := fix(p, nominal).constant) is not None] for row in rows]
-    assert all(len(row) == 3 for row in numbers)
+    """Return rows at nominal parameters."""
+    numbers = []
+    for row in rows:
+        values = [value for value in (fix(p, nominal).constant for p in row) if value is not None]
+        assert len(values) == 3
+        numbers.append(values)
     return numbers
 
 
 def _solved(normal: Matrix, moment: list[Poly], rank: NominalRank) -> list[Poly]:
-    """(H^T W H)^+ H^T W z."""
+    """Return (H^T W H)^+ H^T W z."""
     return [dot(row, moment) for row in pseudo_inverse(normal, rank.normal)]
 
 
 def _fitted(rows: list[Measured], twist: list[Poly], names: Locals) -> tuple[Twist, Expr]:
-    """The twist, named, and the norm of what it leaves of the rows."""
+    """Return the twist with names for its components, and the norm of its residuals."""
     fits = [names.poly(n, p) for n, p in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
     errors = [z - dot(r, fits) for r, z, _ in rows]
     return triple(map(expression, fits)), norm(errors, weights=[weight for _, _, weight in rows])
 
 
 def _short_equations(rows: list[Measured]) -> tuple[Matrix, list[Poly]] | None:
-    """The normal equations; None where cofactors of H^T H, written out in tunable parameters, have too many terms.
+    """Return the normal equations, or None if the twist would have too many terms in tunable parameters.
 
-    With T terms in an entry of H^T H and M in one of H^T z, an entry of the twist has some T**2 M of them.
+    With T terms in an entry of H^T H and M in an entry of H^T z, an entry of the twist has about T**2 M terms.
     """
     if sum(max(len(p.terms) for p in r) ** 2 for r, _, _ in rows) > MOST_TERMS:
         return None
@@ -182,13 +192,12 @@ def _short_equations(rows: list[Measured]) -> tuple[Matrix, list[Poly]] | None:
 
 
 def _step_by_step(rows: list[Measured], rank: NominalRank, names: Locals) -> tuple[Twist, Expr]:
-    """The same with names for the entries of H and H^T H: `prepare` has their numbers when it inverts."""
-
+    """Return twist and residual norm with names for the entries of H and H^T H, which `prepare` computes in numbers."""
     short = names.short
-    named: list[Measured] = [
-        ((short(f"row{i}_x", r[0]), short(f"row{i}_y", r[1]), short(f"row{i}_w", r[2])), z, weight)
-        for i, (r, z, weight) in enumerate(rows)
-    ]
+    named: list[Measured] = []
+    for i, (r, z, weight) in enumerate(rows):
+        row = short(f"row{i}_x", r[0]), short(f"row{i}_y", r[1]), short(f"row{i}_w", r[2])
+        named.append((row, z, weight))
     normal, moment = normal_equations(named)
     entries = named_normal(normal, short)
     twist = _solved(entries, [short(f"b{i}", p, f"Htz[{i}]") for i, p in enumerate(moment)], rank)
@@ -197,15 +206,17 @@ def _step_by_step(rows: list[Measured], rank: NominalRank, names: Locals) -> tup
 
 
 def _negligible(p: Poly) -> bool:
+    """Return whether a residual is 0 up to the rounding of numbers."""
     return not p or (not any(_tunable(p)) and max(abs(float(c)) for c in p.terms.values()) < 1e-12)
 
 
 def _tunable(p: Poly) -> list[str]:
+    """Return the tunable parameters in ``p``."""
     return [g.name for g in p.generators if g.kind == "param"]
 
 
 def _one_relation(residuals: list[Poly]) -> bool:
-    """True when all residuals are multiples of one form: a single compatibility relation."""
+    """Return whether all residuals are multiples of one form: a single compatibility relation."""
     kept = [r for r in residuals if not _negligible(r)]
     first = kept[0]
     m = next(iter(first.terms))

@@ -1,16 +1,16 @@
-"""Inverse kinematics: a twist to joint rates and steering angles, in closed form.
+"""Inverse kinematics: from a twist to joint rates and steering angles, in closed form.
 
-Steering comes from atan2 of the pivot's velocity seen from the present wheel, so the swing is at most
-90 degrees with the drive reversed where that is shorter, and a pivot that stands still holds its angle.
+A steered wheel steers along the velocity of its pivot, by at most 90 degrees from its present angle: it drives
+backwards if that is shorter. If its pivot does not move it keeps its angle.
 
-What castors see of a twist is the velocity of the pivot in the frame of the wheel's zero, then turned. It is linear in
-the twist and castors that stand in a row share its parts (a, b); turned by the joint angle it is
-(u, w) = (a c + b s, b c - a s), and with the offset d and the lateral offset o
+For a castor let (a, b) be the velocity of the pivot in the frame of the wheel at joint angle zero. It is linear in the
+twist, and castors in a row share parts of it. In the frame of the turned wheel it is (u, w) = (a c + b s, b c - a s).
+With the offset d and the lateral offset o
 
     rolling row . xi = u - o omega        sliding row . xi = w + d omega        (Siegwart (3.17), (3.18))
 
-A twist does not say how fast it changes, so steering stands: a steered wheel whose rolling row has a ``steer_rate``
-gets 0. `steer_toward` commands the rate, and the spin that it takes.
+A twist does not determine how fast the steering changes, so `inverse` commands a ``steer_rate`` of 0 for a steered
+wheel whose rolling row depends on it. `steer_toward` commands the rate and the spin that it causes.
 """
 
 from __future__ import annotations
@@ -34,38 +34,53 @@ from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.ports import TWIST, Port, Role
 from wmrgen.geometry.symbolic import Expr, add, expression, number, root, square, subtract, times
 
-_MANY = 3  # castors of one offset from which dividing all velocities by it takes fewer operations
+_MANY = 3  # castors with the same offset: from this number on, dividing all velocities by it takes fewer operations
 
 
 class Joints(NamedTuple):
-    """What the inverse commands for one wheel; ``rim``: speed of its rim [m/s] before coupling, ``radius`` [m]."""
+    """The commands for one wheel, before spins are coupled."""
 
-    rim: Expr
-    radius: Poly
-    steer: Expr | None = None
-    steer_rate: Expr | None = None
-    spin: Expr | None = None  # [rad/s], where steering gives it
+    rim: Expr  # rim speed [m/s]
+    radius: Poly  # rim speed per spin [m]
+    steer: Expr | None = None  # [rad]
+    steer_rate: Expr | None = None  # [rad/s]
+    spin: Expr | None = None  # [rad/s], if it is known from the steering
 
 
 Steering = Callable[[Robot, Row, Locals], dict[int, Target]]  # driven twist -> target per wheel index
 
 
 def inverse(robot: Robot, mobility: Mobility) -> Formula:
-    """vx vy omega and the present steering angles to every joint's command."""
+    """Return the function from vx, vy, omega and the present steering angles to the command of every joint."""
     text = "twist of P in the robot frame to joint commands"
     steered = [w for w in robot.wheels if w.kind.steers]
     if steered:
-        text += "; a wheel steers from the angle given to the nearest heading in its limits, and holds it at standstill"
-    if any(limits and hysteresis(limits) for limits in (robot.limit(w, "steer") for w in steered)):
         text += (
-            ". At a stop it keeps that heading, cut there, while the opposite one lies less than 5 degrees less "
-            "outside: noise does not swing it to and fro"
+            "; a wheel steers from its present angle to the nearest heading inside its limits, and keeps its angle at "
+            "standstill"
+        )
+    limits = [limit for limit in (robot.limit(w, "steer") for w in steered) if limit is not None]
+    if any(hysteresis(limit) for limit in limits):
+        text += (
+            ". At a stop it keeps that heading, clamped to the limit, until the opposite heading is closer to the "
+            "limits by 5 degrees: noise does not make it swing between both"
         )
     return joint_commands(robot, mobility, nearest_steering, "inverse", text)
 
 
 def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: str, text: str) -> Formula:
-    """An inverse whose steered wheels take the targets of ``steering``."""
+    """Return an inverse in which a given function determines the targets of steered wheels.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility, which determines the nearest admissible twist.
+        steering: Returns the targets of steered wheels for the driven twist.
+        name: The name of the function.
+        text: The description of the function.
+
+    Returns:
+        The function from the twist and steering angles to joint commands and ``slip``.
+    """
     names = Locals()
     projection = project(robot, mobility)
     twist = projection.named(names.poly)
@@ -78,19 +93,15 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
     for i, j in joints.items():
         commands = (("spin", speeds[i]), ("steer", j.steer), ("steer_rate", j.steer_rate))
         outputs += [(joint_port(robot.wheels[i], n, Role.COMMAND), v) for n, v in commands if v is not None]
-    outputs.append(
-        (
-            slip_port("norm of the speeds at which wheels slide when this twist is driven"),
-            _slip(projection, targets, [*residuals, *turned_unlike(robot, joints, speeds)]),
-        )
-    )
+    slip = _slip(projection, targets, [*residuals, *turned_unlike(robot, joints, speeds)])
+    outputs.append((slip_port("norm of the speeds at which wheels slide when this twist is driven"), slip))
     steers = tuple(joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns)
     inputs = (*TWIST, *steers, *tunable_ports(robot))
     return names.formula(name, inputs, outputs, text)
 
 
 def readable_spins(robot: Robot, mobility: Mobility) -> dict[str, Expr]:
-    """Return the spins that `inverse` commands of wheels with rollers, with tan gamma for sin gamma / cos gamma."""
+    """Return the commanded spins of wheels with rollers for reports, with tan gamma for sin gamma / cos gamma."""
     twist, spins = project(robot, mobility).twist, dict[str, Expr]()
     for members in robot.together("spin", (w for w in robot.wheels if w.has_spin)):
         w, g = members[0], working_view(members[0])
@@ -102,22 +113,26 @@ def readable_spins(robot: Robot, mobility: Mobility) -> dict[str, Expr]:
 
 
 def _slip(projection: Projection, targets: dict[int, Target], coupled: list[list[Expr]]) -> Expr:
-    """Norm of what slides: the forbidden part of the twist, steered wheels held back, and groups of coupled wheels.
+    """Return the norm of all sliding speeds [m/s].
 
-    ``coupled``: per group what its common rate leaves over [m/s].
+    They are the inadmissible part of the twist, the lateral speeds of steered wheels at their limits, and ``coupled``:
+    for each set of coupled wheels the speeds that remain at their common rate.
     """
     forbidden = norm(projection.residuals, projection.weight)
-    held = [t.lateral for t in targets.values() if t.lateral is not None]
-    sliding = [square(v) for speeds in (held, *coupled) for v in speeds]
-    if not sliding:
+    speeds = [t.lateral for t in targets.values() if t.lateral is not None]
+    for of_set in coupled:
+        speeds += of_set
+    if not speeds:
         return forbidden
-    return root(add(*([] if forbidden.is_zero else [square(forbidden)]), *sliding))
+    squares = [square(v) for v in speeds]
+    return root(add(*squares) if forbidden.is_zero else add(square(forbidden), *squares))
 
 
 def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Poly], list[list[Expr]]]:
-    """Steering rates of castors: d rate = -(sliding row . xi) (Siegwart (3.18)).
+    """Return the steering rates of castors by wheel index: d rate = -(sliding row . xi), Siegwart (3.18).
 
-    Castors turned by one motor share the least-squares rate; what their contacts still slide comes second.
+    Castors that one motor turns have a common rate, by least squares. The second part of the result are the speeds at
+    which their contacts then slide.
     """
     rates: dict[int, Poly] = {}
     residuals: list[list[Expr]] = []
@@ -134,7 +149,10 @@ def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Pol
 
 
 def common_rate(offsets: Sequence[Poly], slides: Sequence[Poly]) -> Poly:
-    """The steering rate that leaves least of d rate + slide over castors of these offsets d (Siegwart (3.18))."""
+    """Return the common steering rate of castors that minimises the sum of squares of d rate + slide.
+
+    ``offsets`` are their offsets d [m], and ``slides`` their sliding rows times the twist [m/s] (Siegwart (3.18)).
+    """
     total = Poly.sum(d * d for d in offsets).inverse()
     return -(Poly.sum(d * s for d, s in zip(offsets, slides, strict=True)) * total)
 
@@ -146,6 +164,7 @@ def _joints(
     swivels: dict[int, Poly],
     seen: dict[int, CastorMotion],
 ) -> Joints:
+    """Return the commands for one wheel."""
     g = working_view(w)
     if w.kind.steers:
         target = targets[w.index]
@@ -160,7 +179,7 @@ def _joints(
 
 
 def spins(robot: Robot, joints: dict[int, Joints]) -> dict[int, Expr]:
-    """Rim speeds to wheel speeds; wheels that must turn alike share the least-squares speed, each in its ratio."""
+    """Return the spins of wheels by index; wheels with coupled spins have the least-squares speed in their ratios."""
     result = {}
     for members in robot.together("spin", (robot.wheels[i] for i in joints)):
         coupled = {w.index: joints[w.index] for w in members}
@@ -176,7 +195,18 @@ def spins(robot: Robot, joints: dict[int, Joints]) -> dict[int, Expr]:
 
 
 def turned_unlike(robot: Robot, joints: dict[int, Joints], speeds: dict[int, Expr]) -> list[list[Expr]]:
-    """Rim speeds [m/s] that a common spin leaves to sliding, per group in which a wheel turns (see `project`)."""
+    """Return the rim speeds [m/s] at which wheels with coupled spins slide, for sets with steered wheels or castors.
+
+    `project` accounts for sets without such wheels.
+
+    Args:
+        robot: The robot.
+        joints: The commands of wheels by index.
+        speeds: The spins of wheels by index, as from `spins`.
+
+    Returns:
+        For each set the differences between wanted and coupled rim speeds.
+    """
     unlike: list[list[Expr]] = []
     for members in robot.together("spin", (robot.wheels[i] for i in joints)):
         coupled = {w.index: joints[w.index] for w in members}
@@ -191,31 +221,39 @@ def _scaled(rim: Expr, factor: Poly) -> Expr:
 
 
 class CastorMotion(NamedTuple):
-    """``rolling`` and ``sliding``: rows times the twist [m/s]. ``free_rate``: steering rate [rad/s] without sliding."""
+    """The motion of a castor for a twist."""
 
-    rolling: Poly
-    sliding: Poly
-    free_rate: Poly
+    rolling: Poly  # rolling row times the twist [m/s]
+    sliding: Poly  # sliding row times the twist [m/s]
+    free_rate: Poly  # steering rate [rad/s] at which the castor does not slide
 
 
 def castor_motion(robot: Robot, twist: Row, names: Locals) -> dict[int, CastorMotion]:
-    """The motion of every castor, by wheel index."""
+    """Return the motion of every castor.
+
+    Args:
+        robot: The robot.
+        twist: vx, vy [m/s] and omega [rad/s] as polynomials.
+        names: Collects intermediate results.
+
+    Returns:
+        The motion by wheel index.
+    """
     castors = [w for w in robot.wheels if w.kind.swivels]
     alike = Counter(working_view(w).d.key for w in castors)
     return {w.index: _motion(w, twist, names, alike[working_view(w).d.key] >= _MANY) for w in castors}
 
 
 def _motion(w: Wheel, twist: Row, names: Locals, divided: bool) -> CastorMotion:
-    """``divided``: the pivot's velocity is written in offsets per second."""
+    """Return the motion of a castor. If ``divided``, the velocity of its pivot is in offsets per second."""
     g, (c, s) = working_view(w), steer_gens(w)
     over = g.d.inverse()
     before, after = (over, Poly.of(1)) if divided else (Poly.of(1), over)
-    a, b = (
-        names.short(f"{w.name}_{k}", p * before)
-        for k, p in zip("ab", turned_by(w, pivot(w, twist)), strict=True)
-    )
+    x, y = turned_by(w, pivot(w, twist))
+    a = names.short(f"{w.name}_a", x * before)
+    b = names.short(f"{w.name}_b", y * before)
     along, across = a * c + b * s, b * c - a * s
     unit = g.d if divided else Poly.of(1)
-    return CastorMotion(
-        unit * along - g.o * twist[2], unit * across + g.d * twist[2], -(across * after) - twist[2]
-    )
+    rolling = unit * along - g.o * twist[2]
+    sliding = unit * across + g.d * twist[2]
+    return CastorMotion(rolling, sliding, -(across * after) - twist[2])

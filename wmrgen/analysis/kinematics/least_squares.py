@@ -1,17 +1,18 @@
 """Least squares at derivation time: inverses of constant normal matrices, norms of residuals, the nearest twist.
 
-Each connected block of a normal matrix is inverted exactly, by cofactors, so that with tunable geometry prepare() is
-left with one reciprocal per block. A rank-deficient matrix gets its Moore-Penrose inverse, of the rank that it has
-where tunable parameters are nominal.
+Each connected block of a normal matrix is inverted exactly, by cofactors, so that with tunable geometry prepare() needs
+one reciprocal for each block. A rank-deficient matrix gets its Moore-Penrose inverse, for its rank at nominal values of
+the tunable parameters.
 
-Of a twist that the wheels forbid the nearest admissible one is driven. One axle line forbids motion along the axle:
-that component of the velocity is taken away. Coupled steering that keeps all axles parallel forbids rotation: the
-centroid of the wheels keeps its velocity. Distances are velocities of contact points [m/s], so they do not change with
-the frame or the unit of length. A degenerate robot (skid-steer) would have next to nothing to drive: it keeps the
-commanded twist, its wheels follow in the least-squares sense, and the sliding is reported.
+If a commanded twist is not admissible, the robot drives the nearest admissible twist. If the fixed wheels are on one
+axle line, the component of the velocity along the axle is removed. If coupled steering keeps all axles parallel, the
+rotation is removed, and the centroid of the wheels keeps its velocity. The distance between twists is measured in
+velocities of contact points [m/s], so that it does not depend on the frame or the unit of length. A degenerate robot
+(skid-steer) has few admissible twists. It therefore keeps the commanded twist, its wheels follow by least squares, and
+the sliding is reported.
 
-slip is the norm of the speeds at which wheels slide, as the residual of `forward` is: a mean would hide one wheel that
-slides fast behind others, and a maximum would not add up to the residual that `forward` measures of the same motion.
+slip is the norm of the speeds at which wheels slide, like the residual of `forward`. A mean would hide a single wheel
+that slides fast, and a maximum would differ from the residual that `forward` measures for the same motion.
 """
 
 from __future__ import annotations
@@ -34,24 +35,25 @@ from wmrgen.geometry.symbolic import Expr, absolute, add, expression, number, ro
 
 Matrix = list[list[Poly]]
 Numbers = list[list[Exact]]
-Measured = tuple[Row, Poly, Exact]  # row . xi = value, which counts so much
+Measured = tuple[Row, Poly, Exact]  # row, value and weight of the equation row . xi = value [m/s]
 
 
 def normal_equations(rows: Sequence[Measured]) -> tuple[Matrix, list[Poly]]:
-    """H^T W H and H^T W z."""
+    """Return H^T W H and H^T W z."""
     normal = symmetric(lambda i, j: Poly.sum((r[i] * r[j]).scale(w) for r, _, w in rows))
     return normal, [Poly.sum((r[i] * z).scale(w) for r, z, w in rows) for i in range(3)]
 
 
 def named_normal(normal: Matrix, name: Callable[[str, Poly, str], Poly]) -> Matrix:
-    """H^T W H with names for its entries."""
+    """Return H^T W H with names for its entries."""
     return symmetric(lambda i, j: name(f"n{i}{j}", normal[i][j], f"HtH[{i}][{j}]"))
 
 
 def pseudo_inverse(normal: Matrix, nominal: Numbers | None) -> Matrix:
-    """The inverse of a symmetric positive semidefinite 3x3 matrix H^T H of constants.
+    """Return the inverse of a symmetric positive semidefinite 3x3 matrix H^T H of constants.
 
-    ``nominal``: its values at nominal parameters, for the rank of the Moore-Penrose inverse; None where H has rank 3.
+    ``nominal`` has its values at nominal parameters, which determine the rank of the Moore-Penrose inverse. It is None
+    if H has rank 3.
     """
     result = [[Poly({}) for _ in range(3)] for _ in range(3)]
     for block in _blocks(normal):
@@ -64,16 +66,21 @@ def pseudo_inverse(normal: Matrix, nominal: Numbers | None) -> Matrix:
 
 
 def _blocks(m: Matrix) -> list[list[int]]:
-    """Indices that are connected by non-zero entries."""
+    """Return the sets of indices that are connected by non-zero entries."""
     blocks: list[list[int]] = []
     for i in range(3):
-        linked = [b for b in blocks if any(m[i][j] for j in b)]
-        blocks = [b for b in blocks if b not in linked] + [sorted([*(j for b in linked for j in b), i])]
+        merged, others = [i], []
+        for block in blocks:
+            if any(m[i][j] for j in block):
+                merged += block
+            else:
+                others.append(block)
+        blocks = [*others, sorted(merged)]
     return sorted(blocks)
 
 
 def _invert(part: Matrix, numbers: Numbers | None) -> Matrix:
-    """B^T (B m B^T)^-1 B, the rows B spanning the range of m at the tolerance; plainly m^-1 where that is all."""
+    """Return the inverse of a block m, or B^T (B m B^T)^-1 B if m is singular; the rows B span the range of m."""
     size = len(part)
     if numbers is None:
         return inverse(part)
@@ -85,22 +92,35 @@ def _invert(part: Matrix, numbers: Numbers | None) -> Matrix:
         return [[Poly({}) for _ in part] for _ in part]
     rows = [part[i] for i in independent(padded, rank)]  # m = m^T: rows span its range
     columns = [list(column) for column in zip(*rows, strict=True)]
-    core = [[_sum(a, [_sum(row, b) for row in part]) for b in rows] for a in rows]
-    middle = inverse(core)
-    return [[_sum(a, [_sum(row, b) for row in middle]) for b in columns] for a in columns]
+    middle = inverse(_congruent(rows, part))
+    return _congruent(columns, middle)
 
 
-def _sum(a: list[Poly], b: list[Poly]) -> Poly:
+def _congruent(rows: list[list[Poly]], m: Matrix) -> Matrix:
+    """Return R m R^T for the rows R."""
+    products = [[_dot(row, b) for row in m] for b in rows]  # the columns of m R^T
+    return [[_dot(a, column) for column in products] for a in rows]
+
+
+def _dot(a: Sequence[Poly], b: Sequence[Poly]) -> Poly:
     return Poly.sum(x * y for x, y in zip(a, b, strict=True))
 
 
-NEGLIGIBLE = 1e-12
+NEGLIGIBLE = 1e-12  # coefficients of residuals below this are rounding errors of exact zeros
 
 
 def norm(forms: Sequence[Poly], weight: Exact = ONE, weights: Sequence[Exact] | None = None) -> Expr:
-    """sqrt(weight * sum of squares), each times its own of ``weights``.
+    """Return the weighted norm of several forms, sqrt(weight * sum(weights[i] * forms[i]**2)).
 
-    Proportional forms are merged: one form needs no square root.
+    Proportional forms are merged, so that a single form needs no square root.
+
+    Args:
+        forms: The forms, usually residuals [m/s].
+        weight: A common weight.
+        weights: The weights of the forms, by default 1.
+
+    Returns:
+        The norm, without forms that are 0 up to rounding.
     """
     groups: list[tuple[Poly, Exact]] = []
     for form, own in zip(forms, weights or [ONE] * len(forms), strict=True):
@@ -123,7 +143,16 @@ def norm(forms: Sequence[Poly], weight: Exact = ONE, weights: Sequence[Exact] | 
 
 
 def ratio_of(a: Poly, b: Poly, negligible: float = 0.0) -> Exact | None:
-    """a / b when it is a number, but for parts of a coefficient that are ``negligible``."""
+    """Divide two proportional polynomials.
+
+    Args:
+        a: The numerator, not 0.
+        b: The denominator, not 0.
+        negligible: The largest relative error of a coefficient that is ignored.
+
+    Returns:
+        The number a / b, or None if they are not proportional.
+    """
     if a.terms.keys() != b.terms.keys():
         return None
     m = next(iter(b.terms))
@@ -133,20 +162,20 @@ def ratio_of(a: Poly, b: Poly, negligible: float = 0.0) -> Exact | None:
 
 
 class Projection(NamedTuple):
-    """``twist``: what is driven. slip = sqrt(weight * sum of residuals**2)."""
+    """The twist that is driven for a commanded twist. slip = sqrt(weight * sum of residuals**2)."""
 
     twist: Row
-    residuals: tuple[Poly, ...]
+    residuals: tuple[Poly, ...]  # [m/s]
     weight: Exact
 
     def named(self, name: Callable[[str, Poly], Poly]) -> Row:
-        """The twist; components that are not the commanded ones go by what ``name`` makes of them."""
+        """Return the twist, with components that differ from the commanded ones replaced by ``name(name, value)``."""
         each = zip(self.twist, XI, TWIST_NAMES, strict=True)
         return triple(p if p == q or not p else name(f"{n}_driven", p) for p, q, n in each)
 
 
 def project(robot: Robot, mobility: Mobility) -> Projection:
-    """The driven twist of a commanded one, and the residuals of the difference."""
+    """Return the driven twist for a commanded twist, and the residuals of the difference."""
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
     picked = mobility.admissible
     if len(picked.chosen) == 1 and mobility.rank_C1f.value == 1:
@@ -163,9 +192,9 @@ def project(robot: Robot, mobility: Mobility) -> Projection:
 
 
 def _nearest(robot: Robot, row: Row) -> Projection:
-    """The nearest twist with row . xi = 0, measured by the mean square velocity of all wheel pivots.
+    """Return the nearest twist with row . xi = 0, in the mean square velocity of all wheel pivots.
 
-    xi - M^-1 row^T (row . xi) / (row M^-1 row^T), M the mean of [1 0 -y; 0 1 x]^T [1 0 -y; 0 1 x].
+    It is xi - M^-1 row^T (row . xi) / (row M^-1 row^T), with M the mean of [1 0 -y; 0 1 x]^T [1 0 -y; 0 1 x].
     """
     wheels = [working_view(w) for w in robot.wheels]
     one, zero = Poly.of(1), Poly({})
@@ -181,7 +210,7 @@ def _nearest(robot: Robot, row: Row) -> Projection:
 
 
 def _spin_residuals(robot: Robot) -> list[Poly]:
-    """Rim-speed differences that equal spins cannot follow, of groups in which no wheel turns."""
+    """Return the rim speeds at which wheels with coupled spins slide, for sets without steered wheels and castors."""
     residuals: list[Poly] = []
     for members in robot.together("spin", (w for w in robot.wheels if w.has_spin)):
         if len(members) == 1 or any(w.turns for w in members):
@@ -195,7 +224,7 @@ def _spin_residuals(robot: Robot) -> list[Poly]:
 
 
 def _translate(robot: Robot) -> Projection:
-    """Rotation taken away about the centroid of the steered wheels."""
+    """Return the twist without rotation in which the centroid of the steered wheels has the commanded velocity."""
     wheels = [working_view(w) for w in robot.wheels if w.kind.steers]
     gx, gy = mean([g.x for g in wheels]), mean([g.y for g in wheels])
     spread = Poly.sum((g.x - gx) ** 2 + (g.y - gy) ** 2 for g in wheels)

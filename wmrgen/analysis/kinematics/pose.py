@@ -1,17 +1,18 @@
 """The pose of P over time: the posture model, and odometry.
 
-The continuous posture model (Siegwart 3.4; Campion (1996)) is what a model predictive controller integrates:
+A model predictive controller integrates the continuous posture model (Siegwart 3.4; Campion 1996):
 
     d/dt (x, y, theta) = R(theta)^T N(beta) eta,    d/dt beta = steering rates
 
-eta (as many as delta_m) are coordinates of the twist in the null space of C1; beta are the steering angles of
-the wheels that choose the ICR, the others follow. N is polynomial in cosines and sines: its Jacobian exists
+eta, with delta_m components, are coordinates of the twist in the null space of C1. beta are the steering angles of the
+wheels that determine the ICR; the other wheels follow. N is a polynomial in cosines and sines, so its Jacobian exists
 everywhere.
 
-Odometry is the exact SE(2) exponential, smooth through omega = 0. A constant twist moves P along an arc whose chord
-points along theta + h and is dt sinc(h) times the velocity, h = omega dt / 2. sinc(h) = sin(h)/h, and for |h| < 3/64
-its series to h**6: the first term left out, h**8 / 9!, is then below 6.5e-17, half the last place of a double. The
-heading is kept in [-pi, pi], because a float that counts turns loses the steps of a robot that turns one way for long.
+Odometry is the exact exponential of SE(2), which is smooth at omega = 0. A constant twist moves P along an arc. With
+h = omega dt / 2, the chord of the arc points along theta + h, and its length is dt sinc(h) times the speed. For
+|h| < 3/64, sinc(h) = sin(h)/h is computed by its series up to h**6. The first omitted term, h**8 / 9!, is below
+6.5e-17, half a unit in the last place of a double. The heading is wrapped to [-pi, pi], because a float that counts
+many turns loses precision.
 """
 
 from __future__ import annotations
@@ -39,14 +40,17 @@ from wmrgen.geometry.symbolic import (
     times,
 )
 
-# The largest h with h**8 / 9! <= 2**-53, rounded down to few bits: a float holds it.
+# [rad] The largest h with h**8 / 9! <= 2**-53, rounded down so that a float represents it exactly.
 SWITCH = sympy.Rational(3, 64)
-WORST_ERROR = float(SWITCH) ** 8 / 362880
-SHORTEST = sympy.Rational(1, 10**9)  # [s] a duration below counts as this, a chord this short as none
+WORST_ERROR = (
+    float(SWITCH) ** 8 / 362880
+)  # of sinc, relative: the first omitted term of the series, 9! = 362880
+# [s] shorter durations are replaced by this; [m] shorter chords are treated as 0.
+SHORTEST = sympy.Rational(1, 10**9)
 
 
 def rate_per_change(dt: Expr) -> Expr:
-    """1 / ``dt`` [1/s], and 0 where no time passed."""
+    """Return 1 / ``dt`` [1/s], or 0 if no time has passed."""
     return select(sympy.S.Zero, dt, 1 / maximum(dt, SHORTEST), sympy.S.Zero)
 
 
@@ -58,12 +62,12 @@ RATES = (
 
 
 def unit_of_eta(column: Row) -> str:
-    """The unit of the coordinate along a column of the null space."""
+    """Return the unit of the coordinate along a column of the null space."""
     return "rad/s" if column[2].constant == ONE else "m/s"
 
 
 def dynamics(robot: Robot, mobility: Mobility) -> Formula:
-    """x y theta, steering, eta and steering rates to the rates of the state."""
+    """Return the posture model: from x, y, theta, steering, eta and steering rates to the rates of the state."""
     names = Locals()
     columns = mobility.scaled
     etas = [
@@ -71,9 +75,9 @@ def dynamics(robot: Robot, mobility: Mobility) -> Formula:
         for k, column in enumerate(columns, 1)
     ]
     wheels = [robot.wheel(n) for n in mobility.basis_wheels]
-    twist = [
-        Poly.sum(c[i] * signal_poly(e.name) for c, e in zip(columns, etas, strict=True)) for i in range(3)
-    ]
+    twist = []
+    for i in range(3):
+        twist.append(Poly.sum(c[i] * signal_poly(e.name) for c, e in zip(columns, etas, strict=True)))
     called = ("vx_body", "vy_body", "omega_body")
     vx, vy, omega = (names.poly(n, p) if p else p for n, p in zip(called, twist, strict=True))
     velocity = names.turned("velocity", (expression(vx), expression(vy)), signal("theta"))
@@ -91,13 +95,16 @@ def dynamics(robot: Robot, mobility: Mobility) -> Formula:
 
 
 def _swivelling(robot: Robot, columns: tuple[Row, ...]) -> list[Wheel]:
-    """Castors whose angle the null space depends on (coupled ones): states that the motion turns."""
-    seen = {g.name for column in columns for p in column for g in p.generators if g.kind in ("cos", "sin")}
-    return [w for w in robot.wheels if w.kind.swivels and w.name in seen]
+    """Return the castors whose angles the null space depends on. Their angles are states; they have couplings."""
+    names: set[str] = set()
+    for column in columns:
+        for p in column:
+            names |= {g.name for g in p.generators if g.kind in ("cos", "sin")}
+    return [w for w in robot.wheels if w.kind.swivels and w.name in names]
 
 
 def _nested(q: Expr) -> Expr:
-    """1 - q/6 + q**2/120 - q**3/5040, nested."""
+    """Return 1 - q/6 + q**2/120 - q**3/5040 in Horner form."""
     series: Expr = sympy.Rational(1, 5040)
     for p in (120, 6, 1):
         series = subtract(sympy.Rational(1, p), q * series)
@@ -105,21 +112,21 @@ def _nested(q: Expr) -> Expr:
 
 
 def _sinc() -> Formula:
-    """sin(h)/h of an angle h [rad], by its series where |h| < `SWITCH`."""
+    """Return the function sin(h)/h of an angle h [rad], which uses the series if |h| < `SWITCH`."""
     names, h = Locals(), signal("h")
     squared, size = names.define("h_squared", square(h)), names.define("h_size", absolute(h))
     series = names.define("sinc_series", _nested(squared))
     safe = names.define("h_safe", maximum(size, SWITCH))
     sinc = select(size, SWITCH, series, sympy.sin(safe) / safe)
     inputs, outputs = (Port("h", Role.STATE, "rad", ""),), ((Port("sinc", Role.COMMAND, "", ""), sinc),)
-    return names.formula("sinc", inputs, outputs, "sin(h)/h, by its series up to h**6 where |h| < 3/64.")
+    return names.formula("sinc", inputs, outputs, "sin(h)/h, by its series up to h**6 if |h| < 3/64.")
 
 
 SINC = _sinc()
 
 
 def increments(names: Locals) -> tuple[Expr, Expr, Expr]:
-    """What a step of dt at the twist adds to x, y and theta."""
+    """Return the changes of x, y and theta in a step of dt at a constant twist."""
     theta, vx, vy, omega, dt = (signal(n) for n in ("theta", "vx", "vy", "omega", "dt"))
     h = names.define("half_turn", omega * dt / 2, "sigma")
     (sinc,) = names.call(SINC, {"h": h})
@@ -130,19 +137,19 @@ def increments(names: Locals) -> tuple[Expr, Expr, Expr]:
 
 
 def wrapped(angle: Expr) -> Expr:
-    """The angle less whole turns, in [-pi, pi]; an angle that is there already keeps its bits."""
+    """Return the angle wrapped to [-pi, pi]; an angle that is already in this range keeps its bits."""
     turns = Nearest(times(1 / (2 * sympy.pi), angle))
     return subtract(angle, times(2 * sympy.pi, turns))
 
 
 def after(names: Locals) -> tuple[Expr, Expr, Expr]:
-    """x, y and theta after a step of dt at the twist, theta in [-pi, pi]."""
+    """Return x, y and theta after a step of dt at a constant twist, with theta in [-pi, pi]."""
     x, y, theta = (add(signal(port.name), step) for port, step in zip(POSE, increments(names), strict=True))
     return x, y, wrapped(names.define("theta_whole", theta))
 
 
 def odometry() -> Formula:
-    """x y theta vx vy omega dt to the pose after dt, theta in [-pi, pi]."""
+    """Return the function from x, y, theta, vx, vy, omega, dt to the pose after dt, with theta in [-pi, pi]."""
     names = Locals()
     pose = after(names)
     text = "pose after driving a constant twist for dt, heading in [-pi, pi]"
@@ -150,7 +157,7 @@ def odometry() -> Formula:
 
 
 def arc() -> Formula:
-    """The same with the heading as it is, so that it has no jump and counts turns."""
+    """Return `odometry` without wrapping the heading, which therefore has no jump and counts turns."""
     names = Locals()
     pose = (add(signal(port.name), step) for port, step in zip(POSE, increments(names), strict=True))
     text = "pose after driving a constant twist for dt, whole turns counted"

@@ -18,14 +18,14 @@ Ranges = Mapping[str, Interval]
 
 
 def ranges_of(robot: Robot) -> Ranges:
-    """The range of each tunable parameter, by name [m or rad]."""
+    """Return the range of each tunable parameter, by name [m or rad]."""
     return {p.name: iv.hull(_point(p.low), _point(p.high)) for p in robot.tunable}
 
 
 def range_of(poly: Poly, ranges: Ranges) -> Interval:
-    """Return an interval that holds every value of a polynomial, rounded outward.
+    """Return an interval that contains every value of a polynomial, rounded outward.
 
-    A parameter that occurs twice counts as two independent ones, so the interval may be wider than the values are.
+    Repeated parameters are treated as independent, so the interval may be wider than necessary.
     """
     total = _point(Exact(0))
     for monomial, coefficient in poly.terms.items():
@@ -35,7 +35,7 @@ def range_of(poly: Poly, ranges: Ranges) -> Interval:
 
 
 def steering_spin(robot: Robot, w: Wheel) -> Exact | None:
-    """Return the largest spin [rad/s] that steering alone takes of a wheel; None without a limit of its steer_rate."""
+    """Return the largest spin [rad/s] that steering alone causes; None if the steer_rate has no limit."""
     limit, g = robot.limit(w, "steer_rate"), w.working
     if limit is None:
         return None
@@ -78,4 +78,4 @@ def _generator(g: Gen, ranges: Ranges) -> Interval:
             return iv.sine(args[0])
         case "atan2":
             return iv.arctangent(args[0], args[1])
-    raise ValueError(f"{g.kind} is no geometry")
+    raise ValueError(f"{g.kind} is not a function of geometry")

@@ -1,4 +1,4 @@
-"""A function of the model: named inputs, named intermediate results, named outputs."""
+"""Formulas: functions of the model with named inputs, named intermediate results and named outputs."""
 
 from __future__ import annotations
 
@@ -31,9 +31,15 @@ _LAZY = (
 
 
 def substituted(expr: Expr, values: dict[Expr, Expr], memo: dict[Expr, Expr]) -> Expr:
-    """``expr`` with ``values`` put in and nothing evaluated: comparing nested maxima would take sympy minutes.
+    """Substitute without evaluation, because sympy would take minutes to compare nested maxima.
 
-    ``memo`` keeps what shared parts became.
+    Args:
+        expr: The expression.
+        values: Replacements for symbols.
+        memo: Results for subexpressions, which the function extends; share it between calls with equal ``values``.
+
+    Returns:
+        The expression with the replacements.
     """
     if not expr.args:
         return values.get(expr, expr)
@@ -44,7 +50,7 @@ def substituted(expr: Expr, values: dict[Expr, Expr], memo: dict[Expr, Expr]) ->
         elif isinstance(expr, Compensated):
             memo[expr] = Compensated(*args)
         elif isinstance(expr, (sympy.Piecewise, ExprCondPair)):
-            # Their constructors fold every piecewise condition, even unevaluated.
+            # Their constructors simplify piecewise conditions even without evaluation.
             memo[expr] = sympy.Basic.__new__(type(expr), *args)
         elif isinstance(expr, _LAZY):
             memo[expr] = expr.func(*args, evaluate=False)
@@ -54,38 +60,32 @@ def substituted(expr: Expr, values: dict[Expr, Expr], memo: dict[Expr, Expr]) ->
 
 
 class Call(NamedTuple):
-    """Intermediate results that a kernel computes: ``results`` are the outputs of ``kernel`` for ``args``, in order.
-
-    The formula says all the same what they are, in base operations.
-    """
+    """A call of a kernel. The formula that contains it also defines its results in base operations."""
 
     kernel: Formula
-    args: tuple[Expr, ...]
-    results: tuple[Local, ...]
+    args: tuple[Expr, ...]  # in the order of the kernel's inputs
+    results: tuple[Local, ...]  # intermediate results of the formula, in the order of the kernel's outputs
 
 
 @dataclass(frozen=True, slots=True)
 class Formula:
-    """One function of the model in symbols. ``locals`` may refer to earlier ones; ``calls`` says which of them are
-    results of kernels, which generated C keeps as functions of their own.
-
-    ``source``, ``limits`` and ``in_place`` are those of its declaration, see `wmrgen.functions.registry`.
-    ``quantities``: what reports call intermediate results, by name, where their names do not say it.
-    """
+    """A function of the model in symbols."""
 
     name: str
     inputs: tuple[Port, ...]
-    locals: tuple[tuple[Local, Expr], ...]
+    locals: tuple[tuple[Local, Expr], ...]  # intermediate results, which may refer to earlier ones
     outputs: tuple[tuple[Port, Expr], ...]
-    text: str
-    source: str = ""
+    text: str  # description, without a full stop at the end
+    source: str = ""  # this and the next two are from the declaration in `wmrgen.functions.registry`
     limits: Limits = Limits.NONE
     in_place: bool = False
-    calls: tuple[Call, ...] = ()
-    quantities: tuple[tuple[str, str], ...] = ()
+    calls: tuple[
+        Call, ...
+    ] = ()  # locals that are results of kernels, which are separate functions in generated C
+    quantities: tuple[tuple[str, str], ...] = ()  # names of locals, and what reports call them
 
     def closed(self) -> dict[str, Expr]:
-        """Output name -> expression in the inputs alone."""
+        """Return the outputs by name, as expressions in the inputs alone."""
         values: dict[Expr, Expr] = {}
         memo: dict[Expr, Expr] = {}
         for symbol, expr in self.locals:
@@ -93,7 +93,7 @@ class Formula:
         return {port.name: substituted(expr, values, memo) for port, expr in self.outputs}
 
 
-# The vector of a size at an angle: generated C has it as a kernel of the library, `wmrgen.ir.kernels.trigonometry`.
+# The vector with a given size and angle. Generated C has it as a library kernel, `wmrgen.ir.kernels.trigonometry`.
 VECTOR_AT = Formula(
     "vector_at",
     (Port("size", Role.STATE, "", ""), Port("angle", Role.STATE, "rad", "")),
@@ -107,9 +107,9 @@ VECTOR_AT = Formula(
 
 
 class Locals:
-    """Collects intermediate results while a formula is written down.
+    """The intermediate results of a formula under construction.
 
-    Each has a name of its own: a wheel called ``mean`` has a ``mean_bx``, and so may the formula.
+    Their names are made unique: a wheel called ``mean`` may have a ``mean_bx``, and so may the formula.
     """
 
     def __init__(self) -> None:
@@ -119,16 +119,22 @@ class Locals:
         self._names: set[str] = set()
 
     def copy(self) -> Locals:
-        """The same intermediate results, to which others can be added."""
+        """Return a copy that can be extended independently."""
         other = Locals()
         other.items, other.calls = list(self.items), list(self.calls)
         other.quantities, other._names = dict(self.quantities), set(self._names)
         return other
 
     def define(self, name: str, value: Expr | Poly, quantity: str = "") -> Local:
-        """A new intermediate result; returns its symbol, numbered where the name is taken.
+        """Add an intermediate result.
 
-        ``quantity``: what the report calls it, in ASCII, for comments of generated code.
+        Args:
+            name: Its name, which gets a number if it is already used.
+            value: Its value.
+            quantity: What reports and comments in generated code call it, in ASCII; "" to use its name.
+
+        Returns:
+            Its symbol.
         """
         symbol, number = local(name), 2
         while symbol.name in self._names:
@@ -140,45 +146,100 @@ class Locals:
         return symbol
 
     def vector_at(self, name: str, size: Expr, angle: Expr) -> tuple[Local, Local]:
-        """Both components of the vector of this size at this angle, new intermediate results of a call."""
+        """Add the components of a vector, as a call of a kernel.
+
+        Args:
+            name: The prefix of their names.
+            size: The size of the vector.
+            angle: Its angle [rad].
+
+        Returns:
+            The symbols of size cos(angle) and size sin(angle).
+        """
         x, y = self.call(VECTOR_AT, {"size": size, "angle": angle}, f"{name}_")
         return x, y
 
     def call(self, kernel: Formula, args: Mapping[str, Expr], prefix: str = "") -> tuple[Local, ...]:
-        """The outputs of ``kernel`` for ``args`` by port name, in order: new intermediate results of a call.
+        """Add the outputs of a kernel as intermediate results.
 
-        ValueError where ``args`` are not those that the kernel has.
+        Args:
+            kernel: The kernel.
+            args: Its arguments by port name.
+            prefix: A prefix for the names of its outputs.
+
+        Returns:
+            The symbols of its outputs, in order.
+
+        Raises:
+            ValueError: If ``args`` does not have exactly the inputs of the kernel.
         """
         if {port.name for port in kernel.inputs} != set(args):
             takes = " ".join(port.name for port in kernel.inputs)
             raise ValueError(f"the kernel {kernel.name} takes {takes}, and the call gives {' '.join(args)}")
         values: dict[Expr, Expr] = {signal(name): value for name, value in args.items()}
-        results = tuple(
-            self.define(f"{prefix}{name}", substituted(value, values, {}))
-            for name, value in kernel.closed().items()
-        )
-        self.calls.append(Call(kernel, tuple(args[port.name] for port in kernel.inputs), results))
-        return results
+        results = []
+        for name, value in kernel.closed().items():
+            results.append(self.define(f"{prefix}{name}", substituted(value, values, {})))
+        in_order = tuple(args[port.name] for port in kernel.inputs)
+        self.calls.append(Call(kernel, in_order, tuple(results)))
+        return tuple(results)
 
     def turned(self, name: str, vector: tuple[Expr, Expr], angle: Expr) -> tuple[Expr, Expr]:
-        """``vector`` turned by an angle: named are cosine and sine, or both components where it lies along x."""
+        """Rotate a vector by an angle, with named intermediate results.
+
+        Args:
+            name: The prefix of the names.
+            vector: The components (x, y).
+            angle: The angle [rad], counter-clockwise.
+
+        Returns:
+            The components of the rotated vector.
+        """
         if vector[1].is_zero:
             return self.vector_at(name, vector[0], angle)
         c, s = self.define(f"{name}_cos", sympy.cos(angle)), self.define(f"{name}_sin", sympy.sin(angle))
         return rotated(c, s, *vector)
 
     def poly(self, name: str, value: Expr | Poly, quantity: str = "") -> Poly:
-        """A new intermediate result as a generator of polynomials."""
+        """Add an intermediate result.
+
+        Args:
+            name: Its name.
+            value: Its value.
+            quantity: What reports call it, see `define`.
+
+        Returns:
+            Its symbol as a polynomial.
+        """
         return Poly.gen("local", self.define(name, value, quantity).name)
 
     def short(self, name: str, value: Poly, quantity: str = "") -> Poly:
-        """A sum as a new intermediate result; a single term as it stands."""
+        """Add an intermediate result if its value is a sum.
+
+        Args:
+            name: Its name.
+            value: Its value.
+            quantity: What reports call it, see `define`.
+
+        Returns:
+            Its symbol as a polynomial, or the value itself if it is a single term.
+        """
         return self.poly(name, value, quantity) if len(value.terms) > 1 else value
 
     def formula(
         self, name: str, inputs: Iterable[Port], outputs: Iterable[tuple[Port, Expr]], text: str
     ) -> Formula:
-        """The function of these intermediate results."""
+        """Return the finished formula.
+
+        Args:
+            name: The name of the function.
+            inputs: Its inputs.
+            outputs: Its outputs, with their values.
+            text: Its description.
+
+        Returns:
+            A formula with all intermediate results that were added.
+        """
         return Formula(
             name,
             tuple(inputs),
@@ -190,9 +251,9 @@ class Locals:
         )
 
     def adopt(self, formula: Formula, inputs: Mapping[str, Expr]) -> dict[str, Expr]:
-        """Add the locals of ``formula``, nothing evaluated; output name -> expression.
+        """Add the intermediate results of another formula, without evaluation.
 
-        ``inputs`` replaces inputs by port name; those that it does not name stay inputs.
+        ``inputs`` replaces inputs by port name; the others remain inputs. Return the outputs by name.
         """
         values: dict[Expr, Expr] = {signal(name): value for name, value in inputs.items()}
         memo: dict[Expr, Expr] = {}
@@ -207,55 +268,57 @@ class Locals:
 
 
 def joint_port(wheel: Wheel, joint: str, role: Role) -> Port:
-    """``<wheel>.<joint>``"""
+    """Return the port ``<wheel>.<joint>`` of a joint.
+
+    Args:
+        wheel: The wheel.
+        joint: spin, steer or steer_rate.
+        role: The role of the port.
+
+    Returns:
+        The port, with the unit and the description of the joint.
+    """
     return replace(JOINTS[joint], name=f"{wheel.name}.{joint}", role=role)
 
 
 def slip_port(text: str) -> Port:
-    """``slip``"""
+    """Return the port ``slip``."""
     return Port("slip", Role.COMMAND, "m/s", text)
 
 
 def tunable_ports(robot: Robot) -> tuple[Port, ...]:
-    """The tunable parameters, in file order, with their nominal values."""
+    """Return the tunable parameters as inputs, in file order, with their nominal values and ranges."""
     angles = _angles(robot) if robot.tunable else set()
-    return tuple(
-        Port(
-            p.name,
-            Role.GEOMETRY,
-            "rad" if p.name in angles else "m",
-            "tunable parameter",
-            p.nominal,
-            range=(p.low, p.high),
-        )
-        for p in robot.tunable
-    )
+    ports = []
+    for p in robot.tunable:
+        unit = "rad" if p.name in angles else "m"
+        ports.append(Port(p.name, Role.GEOMETRY, unit, "tunable parameter", p.nominal, range=(p.low, p.high)))
+    return tuple(ports)
 
 
 def parameter_ports(robot: Robot) -> tuple[Port, ...]:
-    """Every parameter as an input, with its nominal value."""
+    """Return every parameter as an input, with its nominal value."""
     tunable = {port.name: port for port in tunable_ports(robot)}
     angles = _angles(robot)
-    return tuple(
-        tunable.get(p.name)
-        or Port(p.name, Role.GEOMETRY, "rad" if p.name in angles else "m", "parameter", p.nominal)
-        for p in robot.parameters
-    )
+    ports = []
+    for p in robot.parameters:
+        unit = "rad" if p.name in angles else "m"
+        ports.append(tunable.get(p.name) or Port(p.name, Role.GEOMETRY, unit, "parameter", p.nominal))
+    return tuple(ports)
 
 
 def _angles(robot: Robot) -> set[str]:
-    """Parameters of which a wheel takes the sine."""
-    views = [view for w in robot.wheels for view in (w.symbolic, w.working)]
-    functions = {
-        g
-        for view in views
-        for f in fields(view)
-        for g in getattr(view, f.name).generators
-        if g.kind in ("cosf", "sinf")
-    }
-    return {g.name for f in functions for a in f.args for g in a.generators if g.kind == "param"}
+    """Return the names of the parameters that occur in a sine or cosine of a wheel's geometry."""
+    names: set[str] = set()
+    for w in robot.wheels:
+        for view in (w.symbolic, w.working):
+            for f in fields(view):
+                for g in getattr(view, f.name).generators:
+                    if g.kind in ("cosf", "sinf"):
+                        names |= {inner.name for inner in g.args[0].generators if inner.kind == "param"}
+    return names
 
 
 def signal_poly(name: str) -> Poly:
-    """An input as a polynomial."""
+    """Return an input as a polynomial."""
     return Poly.gen("input", name)

@@ -1,21 +1,22 @@
-"""What the sensed joint rates say about the twist, and the twist that explains them best.
+"""Measurements of the twist by joints and gyro, and their least-squares solution in the general case.
 
-A wheel with a sliding row measures it, and a wheel whose spin is sensed its rolling row. Both together measure the
-velocity of the contact point B: v_B = (r spin + o steer_rate) e - d steer_rate n. One row measures one component.
-Rows count as their wheel's ``weight`` says, the largest taken for 1: the twist has the least sum of weight
-(row . xi - value)**2, whose root is the residual. A gyro is one more row, see `kinematics.gyro`.
+A wheel with a sliding row measures it, and a wheel with a sensed spin measures its rolling row. Both together measure
+the velocity of the contact point B: v_B = (r spin + o steer_rate) e - d steer_rate n. One row measures one component.
+The twist minimises the sum of weight (row . xi - value)**2, whose root is the residual. Weights are relative to the
+largest weight of a wheel. A gyro adds the row [0 0 1].
 
-In general the normal matrix N = H^T W H of the rows moves with the steering, and one division at run time solves it. N
-is symmetric and perhaps singular. With c1, c2, det its invariants and adj its adjugate, the Moore-Penrose inverse is
+In general the normal matrix N = H^T W H of the rows depends on the steering, and is inverted at run time with one
+division. N is symmetric and may be singular. With its invariants c1, c2, det and its adjugate adj, the Moore-Penrose
+inverse is
 
     rank 3   adj / det
     rank 2   (c1 (I - adj / c2) - N) / c2
-    rank 1   I / c1                          (b lies in the range of N)
+    rank 1   I / c1                          (if b is in the range of N)
 
-A rank is lost at run time where an invariant falls under EDGE of what the ones before it allow: a singular value
-under a thousandth of the largest, far above the rounding of a float. Lengths are measured in the reach of the
-contacts for that decision, so that it does not depend on the unit. Denominators are kept above a floor far below any
-value that a real robot takes, so that no input divides by zero.
+At run time the rank is reduced if an invariant is below EDGE relative to the invariants before it. This corresponds to
+a singular value below a thousandth of the largest, far above the rounding of a float. For this decision lengths are
+relative to the distance of the contacts, so that it does not depend on the unit. Denominators are limited to a floor
+far below any value of a real robot, so that no input causes a division by zero.
 """
 
 from __future__ import annotations
@@ -27,7 +28,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wmrgen.analysis.kinematics.gyro import YawRate, yaw_rate
 from wmrgen.analysis.kinematics.least_squares import Matrix, Measured, named_normal, normal_equations
 from wmrgen.analysis.kinematics.ranges import range_of, ranges_of
 from wmrgen.analysis.kinematics.records import Locals, joint_port, signal_poly
@@ -53,30 +53,31 @@ from wmrgen.geometry.symbolic import (
     times,
 )
 
-FLOOR = Exact(Fraction(1, 10**12))
+FLOOR = Exact(Fraction(1, 10**12))  # least divisor, SI units: far below the invariants of any robot
+# Relative invariant at which the rank drops: the square of a singular value of 1/1000.
 EDGE = Exact(Fraction(1, 10**6))
 JOINT_ROLE = {"spin": Role.COMMAND, "steer": Role.STATE, "steer_rate": Role.COMMAND}
 Twist = tuple[Expr, Expr, Expr]
 
 
 class Contact(NamedTuple):
-    """A measured contact velocity: v + omega z x (bx, by) = (wx, wy), robot frame; ``weight``: of both rows."""
+    """A measured contact velocity: v + omega z x (bx, by) = (wx, wy) in the robot frame."""
 
     wheel: Wheel
-    bx: Poly
+    bx: Poly  # contact point [m]
     by: Poly
-    wx: Poly
+    wx: Poly  # velocity [m/s]
     wy: Poly
-    weight: Exact
+    weight: Exact  # of both rows
 
     @property
     def rows(self) -> list[Measured]:
-        """A row for each component of the velocity."""
+        """One row for each component of the velocity."""
         return contact_rows(self.bx, self.by, self.wx, self.wy, self.weight)
 
 
 class Component(NamedTuple):
-    """A measured component: row . xi = value [m/s], which counts ``weight``."""
+    """A measured component of a velocity: row . xi = value [m/s]."""
 
     wheel: Wheel
     row: Row
@@ -85,12 +86,24 @@ class Component(NamedTuple):
 
     @property
     def rows(self) -> list[Measured]:
-        """The one row."""
+        """The row, in a list."""
         return [(self.row, self.value, self.weight)]
 
 
+class YawRate(NamedTuple):
+    """A measured yaw rate: omega = value."""
+
+    value: Poly  # [rad/s]
+    weight: Exact  # [m**2], because rows of wheels are in m/s
+
+    @property
+    def rows(self) -> list[Measured]:
+        """The row [0 0 1]."""
+        return [((Poly({}), Poly({}), Poly.of(1)), self.value, self.weight)]
+
+
 class Measurements(NamedTuple):
-    """All that the sensed joints of ``robot`` measure, and its gyro."""
+    """All measurements of the twist by the joints and the gyro of a robot."""
 
     robot: Robot
     contacts: tuple[Contact, ...]
@@ -99,17 +112,17 @@ class Measurements(NamedTuple):
 
     @property
     def wheels(self) -> tuple[Wheel, ...]:
-        """Those that measure something."""
+        """The wheels that measure something."""
         return tuple(c.wheel for c in self.of_wheels)
 
     @property
     def of_wheels(self) -> tuple[Contact | Component, ...]:
-        """Contacts, then components."""
+        """The measurements of wheels: contacts, then components."""
         return (*self.contacts, *self.components)
 
     @property
     def all(self) -> tuple[Contact | Component | YawRate, ...]:
-        """Contacts, components, the gyro: the order of the rows."""
+        """All measurements in the order of the rows: contacts, components, gyro."""
         return (*self.of_wheels, *(() if self.gyro is None else (self.gyro,)))
 
     @property
@@ -119,28 +132,39 @@ class Measurements(NamedTuple):
 
     @property
     def rows(self) -> list[Measured]:
-        """Every measured row over the twist, with its value [m/s] and its weight."""
+        """All measured rows, with their values [m/s] and weights."""
         return [row for c in self.all for row in c.rows]
 
     @property
     def weighted(self) -> bool:
-        """Whether some rows count more than others."""
+        """Whether some weights differ from 1."""
         return any(weight != ONE for _, _, weight in self.rows)
 
     @property
     def constant_normal(self) -> bool:
-        """Whether the normal matrix depends on no joint angle."""
+        """Whether the normal matrix does not depend on joint angles."""
         return not any(has_angles(row) for row, _, _ in self.rows)
 
 
 def contact_rows(bx: Poly, by: Poly, wx: Poly, wy: Poly, weight: Exact) -> list[Measured]:
-    """The velocity (wx, wy) of a point B, a row for each component."""
+    """Return the rows of a measured velocity.
+
+    Args:
+        bx: The x coordinate of the point [m].
+        by: The y coordinate of the point [m].
+        wx: The x component of its velocity [m/s].
+        wy: The y component of its velocity [m/s].
+        weight: The weight of both rows.
+
+    Returns:
+        One row for each component.
+    """
     one, zero = Poly.of(1), Poly({})
     return [((one, zero, -by), wx, weight), ((zero, one, bx), wy, weight)]
 
 
 def sensed_joints(w: Wheel) -> tuple[str, ...]:
-    """The joints of a wheel that are inputs of ``forward``."""
+    """Return the joints of a wheel that are inputs of ``forward``."""
     joints: list[str] = [j for j in ("spin", "steer") if j in w.sensed]
     if "steer" in joints and (w.kind.swivels or w.nominal.steer_arm):
         joints.append("steer_rate")
@@ -148,9 +172,10 @@ def sensed_joints(w: Wheel) -> tuple[str, ...]:
 
 
 def measurements(robot: Robot, names: Locals | None = None) -> Measurements:
-    """What the sensed joints and the gyro measure of the twist. Passive castors and spheres measure nothing.
+    """Return the measurements of the twist by the sensed joints and the gyro.
 
-    With ``names`` the velocities that wheels roll at their angles are intermediate results. The largest weight is 1.
+    Castors and spheres without sensors measure nothing. With ``names``, the rolling velocities of steered wheels become
+    intermediate results. Weights are scaled so that the largest weight of a wheel is 1.
     """
     contacts: list[Contact] = []
     components: list[Component] = []
@@ -177,14 +202,39 @@ def measurements(robot: Robot, names: Locals | None = None) -> Measurements:
     return measured._replace(gyro=yaw_rate(robot, measured.wheels))
 
 
+def yaw_rate(robot: Robot, wheels: Sequence[Wheel]) -> YawRate | None:
+    """Return the measurement of the gyro, or None if the robot has no gyro.
+
+    Its weight is multiplied by the mean square distance of the measured ``wheels`` from their centre, so that a gyro of
+    weight 1 has the influence of a wheel at that distance.
+    """
+    if robot.gyro is None:
+        return None
+    return YawRate(signal_poly(GYRO.name), robot.gyro.weight * _spread(wheels))
+
+
+def _spread(wheels: Sequence[Wheel]) -> Exact:
+    """Return the mean square distance [m**2] of wheels from their centre, offsets included, or 1 if it is 0.
+
+    It does not depend on the position of P, so the fitted motion does not depend on it either.
+    """
+    shapes = [w.nominal for w in wheels]
+    if not shapes:
+        return ONE
+    x = sum((g.x for g in shapes), Exact(0)) / len(shapes)
+    y = sum((g.y for g in shapes), Exact(0)) / len(shapes)
+    total = sum(((g.x - x) ** 2 + (g.y - y) ** 2 + g.d * g.d + g.o * g.o for g in shapes), Exact(0))
+    return total / len(shapes) if total else ONE
+
+
 def sensed_ports(robot: Robot) -> tuple[Port, ...]:
-    """The inputs of `forward` that sensors show: joints in the order of the file, then the gyro."""
+    """Return the inputs of `forward` that are measured: joints in the order of the file, then the gyro."""
     joints = (joint_port(w, j, JOINT_ROLE[j]) for w in robot.wheels for j in sensed_joints(w))
     return (*joints, *(() if robot.gyro is None else (GYRO,)))
 
 
 def _contact(w: Wheel, spin: Poly, rate: Poly, names: Locals | None) -> Contact:
-    """Both rows of a wheel, solved for the velocity of its contact point."""
+    """Return the velocity of a wheel's contact point from its rolling and its sliding row."""
     g = working_view(w)
     c, s = heading(w, g)
     if names is not None and w.turns and not g.d and not g.steer_arm:
@@ -195,7 +245,7 @@ def _contact(w: Wheel, spin: Poly, rate: Poly, names: Locals | None) -> Contact:
 
 
 def _rolled(w: Wheel, names: Locals) -> tuple[Poly, Poly]:
-    """The spin of a wheel along its rolling direction [rad/s], robot frame; its components at the joint have names."""
+    """Return the spin [rad/s] times the rolling direction in the robot frame, with names for the components."""
     g = working_view(w)
     spin, steer = (expression(signal_poly(f"{w.name}.{joint}")) for joint in ("spin", "steer"))
     at_joint = names.vector_at(f"{w.name}_roll", spin, steer)
@@ -204,10 +254,10 @@ def _rolled(w: Wheel, names: Locals) -> tuple[Poly, Poly]:
 
 
 def solve_general(measured: Measurements, names: Locals) -> tuple[Twist, Expr]:
-    """Any mix of contact velocities and single rows, by cofactors of the 3x3 normal matrix N.
+    """Return twist and residual norm for any measurements, by cofactors of the 3x3 normal matrix N.
 
-    Where the rows leave a direction unseen (a rear-driven bicycle steered by 90 degrees) the smallest twist
-    is taken. The rank that the rows have in general decides at derivation time which formulas are needed.
+    If the rows do not determine the twist, as for a rear-driven bicycle that is steered by 90 degrees, the result is
+    the smallest twist. The generic rank of the rows determines at derivation time which formulas are needed.
     """
     rows = _named_rows(measured, names)
     normal, moment = normal_equations(rows)
@@ -221,14 +271,14 @@ def solve_general(measured: Measurements, names: Locals) -> tuple[Twist, Expr]:
 
 
 def named_contacts(contacts: Sequence[Contact], names: Locals) -> list[tuple[Poly, Poly, Poly, Poly]]:
-    """Contact points and velocities with names, so that each is computed once."""
+    """Return contact points and velocities with names, so that each is computed once."""
     named = []
     for c in contacts:
-        parts = (("B_x", c.bx), ("B_y", c.by), ("w_x", c.wx), ("w_y", c.wy))
-        bx, by, wx, wy = (
-            _named(names, f"{c.wheel.name}_{k.replace('_', '').lower()}", p, f"{k} of {c.wheel.name}")
-            for k, p in parts
-        )
+        wheel = c.wheel.name
+        bx = _named(names, f"{wheel}_bx", c.bx, f"B_x of {wheel}")
+        by = _named(names, f"{wheel}_by", c.by, f"B_y of {wheel}")
+        wx = _named(names, f"{wheel}_wx", c.wx, f"w_x of {wheel}")
+        wy = _named(names, f"{wheel}_wy", c.wy, f"w_y of {wheel}")
         named.append((bx, by, wx, wy))
     return named
 
@@ -238,70 +288,90 @@ def _named(names: Locals, name: str, value: Poly, quantity: str) -> Poly:
 
 
 def _named_rows(measured: Measurements, names: Locals) -> list[Measured]:
-    points = zip(named_contacts(measured.contacts, names), measured.contacts, strict=True)
-    rows = [row for parts, c in points for row in contact_rows(*parts, c.weight)]
+    """Return the measured rows with names for their entries."""
+    rows: list[Measured] = []
+    points = named_contacts(measured.contacts, names)
+    for (bx, by, wx, wy), contact in zip(points, measured.contacts, strict=True):
+        rows += contact_rows(bx, by, wx, wy, contact.weight)
     for c in measured.components:
-        x, y, w = (
-            _named(names, f"{c.wheel.name}_r{k}", p, f"{column} in H, row of {c.wheel.name}")
-            for k, column, p in zip("xyw", ("vx", "vy", "omega"), c.row, strict=True)
-        )
+        wheel, (vx, vy, omega) = c.wheel.name, c.row
+        x = _named(names, f"{wheel}_rx", vx, f"vx in H, row of {wheel}")
+        y = _named(names, f"{wheel}_ry", vy, f"vy in H, row of {wheel}")
+        w = _named(names, f"{wheel}_rw", omega, f"omega in H, row of {wheel}")
         rows.append(((x, y, w), c.value, c.weight))
-    return [*rows, *(() if measured.gyro is None else measured.gyro.rows)]
+    return rows if measured.gyro is None else [*rows, *measured.gyro.rows]
 
 
 def reach_of(wheels: Sequence[Wheel]) -> Exact:
-    """The mean square distance of the measured wheels from P, offsets included; 1 when all stand at P."""
+    """Return the mean square distance [m**2] of the measured wheels from P, offsets included; 1 if all are at P."""
     shapes = [w.nominal for w in wheels]
     total = sum((g.x * g.x + g.y * g.y + g.d * g.d + g.o * g.o for g in shapes), Exact(0))
     return total / len(wheels) if total else ONE
 
 
 def generic_rank(measured: Measurements) -> int:
-    """The rank of the measured rows at nominal parameters and general joint angles."""
+    """Return the rank of the measured rows at nominal parameters and generic joint angles."""
     robot, angles = measured.robot, generic(measured.robot)
     numbers = [[nominal_at(p, robot, angles) for p in row] for row, _, _ in measured.rows]
     return _rank(numbers, measured.wheels)
 
 
 def _rank(rows: list[list[float]], wheels: Sequence[Wheel]) -> int:
-    """The rank of rows with lengths in the reach of the wheels, so that it does not depend on the unit."""
+    """Return the rank of rows with lengths relative to `reach_of`, so that it does not depend on the unit."""
     return numeric_rank(np.array(rows).reshape(-1, 3) / [1.0, 1.0, float(reach_of(wheels)) ** 0.5])[0]
 
 
 def lower_bound(measured: Measurements) -> float:
-    """A bound under det N from the rows that do not move; 0 when they alone do not have rank 3 for all parameters."""
-    numbers = [([p.constant for p in row], math.sqrt(float(weight))) for row, _, weight in measured.rows]
-    rows = [[size * float(v) for v in row if v is not None] for row, size in numbers if None not in row]
+    """Return a lower bound of det N from the constant rows; 0 if they do not have rank 3 for all parameters."""
+    rows = []
+    for row, _, weight in measured.rows:
+        values = [v for v in (p.constant for p in row) if v is not None]
+        if len(values) == 3:
+            size = math.sqrt(float(weight))
+            rows.append([size * float(v) for v in values])
     if _rank(rows, measured.wheels) < 3:
         return _bound_of_three(measured)
-    a, b, c = ([sum(r[i] * r[j] for r in rows) for j in range(3)] for i in range(3))
+    a, b, c = [[sum(r[i] * r[j] for r in rows) for j in range(3)] for i in range(3)]  # N
     return float(sum(x * y for x, y in zip(a, np.cross(b, c), strict=True)))
 
 
 def _bound_of_three(measured: Measurements) -> float:
-    """A bound under det(H3)**2 of three rows that do not move, whatever tunable parameters are; 0 if there is none.
+    """Return a lower bound of det(H3)**2 for three constant rows H3 over the ranges of tunable parameters.
 
-    N is a sum over rows, each of which can only add to det N. The bound is a power of two, because the last bits of
-    sines may differ between machines.
+    It is also a lower bound of det N, because N is a sum over rows and each row can only increase det N. It is 0 if
+    there is no positive bound. The bound is rounded down to a power of two, because the last bits of sines may differ
+    between machines.
     """
-    still = [(row, weight) for row, _, weight in measured.rows if not has_angles(row)]
-    values = [[nominal_at(p, measured.robot, generic(measured.robot)) for p in row] for row, _ in still]
+    constant = [(row, weight) for row, _, weight in measured.rows if not has_angles(row)]
+    values = [[nominal_at(p, measured.robot, generic(measured.robot)) for p in row] for row, _ in constant]
     if _rank(values, measured.wheels) < 3:
         return 0.0
-    chosen = [still[i] for i in independent(np.array(values), 3)]
+    chosen = [constant[i] for i in independent(np.array(values), 3)]
     minor = range_of(determinant([list(row) for row, _ in chosen]), ranges_of(measured.robot))
     least = float(smallest(minor)[0]) ** 2 * math.prod(float(weight) for _, weight in chosen)
     return 2.0 ** math.floor(math.log2(least)) if least else 0.0
 
 
 def adjugate(n: Matrix, names: Locals) -> tuple[Matrix, Expr]:
-    """Adjugate and determinant of H^T H, named."""
+    """Return adjugate and determinant of H^T H, with names for their entries."""
     adj = symmetric(lambda i, j: names.poly(f"adj{i}{j}", cofactor(n, i, j), f"adj(HtH)[{i}][{j}]"))
     return adj, names.define("det", dot(n[0], adj[0]), "det(HtH)")
 
 
 def smallest_twist(n: Matrix, b: list[Poly], measured: Measurements, names: Locals) -> list[Expr]:
-    """N^+ b, entries named. Where det N has a lower bound above 0 nothing can be lost."""
+    """Return the smallest least-squares twist N^+ b, see the module docstring.
+
+    If det N has a positive lower bound the rank is always 3, and no case distinction is needed.
+
+    Args:
+        n: The normal matrix N = H^T W H.
+        b: The right side H^T W z.
+        measured: The measurements.
+        names: Collects intermediate results.
+
+    Returns:
+        vx, vy [m/s] and omega [rad/s].
+    """
     rank = generic_rank(measured)
     bound = lower_bound(measured) if rank == 3 else 0.0
     if bound > 0:
@@ -334,12 +404,14 @@ def smallest_twist(n: Matrix, b: list[Poly], measured: Measurements, names: Loca
 
 
 def _projections(adj: Matrix, b: list[Poly], names: Locals) -> list[Local]:
-    """adj(H^T H) H^T z, named."""
-    return [
-        names.define(f"p{i}", Poly.sum(adj[i][j] * b[j] for j in range(3)), f"(adj(HtH) Htz)[{i}]")
-        for i in range(3)
-    ]
+    """Return adj(H^T H) H^T z, with names for its entries."""
+    projections = []
+    for i in range(3):
+        entry = Poly.sum(adj[i][j] * b[j] for j in range(3))
+        projections.append(names.define(f"p{i}", entry, f"(adj(HtH) Htz)[{i}]"))
+    return projections
 
 
 def _over(value: Expr, names: Locals, name: str) -> Expr:
+    """Return 1 / ``value``, with a name, for a value that may be as small as 0."""
     return names.define(f"over_{name}", 1 / maximum(value, number(FLOOR)))

@@ -1,13 +1,13 @@
-"""Where a steered wheel should point, and how fast its rim then moves.
+"""The steering angle of a steered wheel for a velocity of its pivot, and its rim speed.
 
-Two headings roll, half a turn apart: the angle theta of the line along which the pivot moves, and those
-k half turns away. k = rint((theta - present) / pi) gives the nearest, at most 90 degrees away; the wheel drives
-along it with the speed of the pivot, reversed where k is odd. At standstill the present angle is held.
+A wheel can roll forwards or backwards, so all angles theta - k pi along the velocity are possible. The nearest angle to
+the present one has k = rint((theta - present) / pi), and is at most 90 degrees away. The wheel drives along it with
+the speed of the pivot, backwards if k is odd. If the pivot does not move, the wheel keeps its present angle.
 
-A steered wheel rolls along its pivot's velocity (a, b) forwards or backwards, so only the line matters. With the
-size s = sqrt(a**2 + b**2), half the angle of the line has the tangent +-b / (s + |a|), its sign that of a: it lies in
-[-1, 1], from one quotient and one arctangent, and nothing cancels. The divisor is kept above `STILL`, so that whoever
-reads the C, an analyser too, sees that it is not zero.
+The angle is computed from the line of the velocity (a, b), without its direction. With s = sqrt(a**2 + b**2), half the
+angle of the line has the tangent b / (s + |a|), with the sign of a. This tangent is in [-1, 1], takes one quotient and
+one arctangent, and involves no cancellation. The divisor is limited to at least `STILL`, so that a reader or a static
+analyser of the C sees that it is not zero.
 """
 
 from __future__ import annotations
@@ -47,36 +47,46 @@ from wmrgen.geometry.symbolic import (
     with_sign_of,
 )
 
-STILL = Exact(Fraction(1, 10**20))  # m/s
-# 1/pi, rounded down by 3e-11 of it: a swing of 90 degrees keeps its branch in every arithmetic.
+# [m/s] a slower pivot stands still: a float still represents it, no motor does.
+STILL = Exact(Fraction(1, 10**20))
+# [1/rad] 1/pi, rounded down by 3e-11 relative, so that a change of 90 degrees keeps its branch in every arithmetic.
 PER_HALF_TURN = Exact(Fraction(31830988617, 10**11))
-QUARTER = Exact(Fraction(1570796326794896619, 10**18))  # rad
-HYSTERESIS = QUARTER / 18  # 5 degrees
-NARROW = Exact(Fraction(157, 100))  # rad between limits, just under a quarter turn
+QUARTER = Exact(Fraction(1570796326794896619, 10**18))  # [rad] a quarter turn
+HYSTERESIS = QUARTER / 18  # [rad] 5 degrees, see `hysteresis`
+NARROW = Exact(Fraction(157, 100))  # [rad] distance of limits, just under a quarter turn, see `_narrow`
 
 
 class Target(NamedTuple):
-    """Commanded angle [rad], rim speed of the pivot [m/s] and, where it may slide, its lateral speed
-    [m/s] of either sign."""
+    """The target of a steered wheel."""
 
-    steer: Expr
-    rim: Expr
-    lateral: Expr | None = None
-    spin: Expr | None = None  # [rad/s], where it is known already
+    steer: Expr  # commanded angle [rad]
+    rim: Expr  # speed of the pivot along the wheel [m/s]
+    lateral: Expr | None = None  # speed of the pivot across the wheel [m/s], of any sign; None if it is 0
+    spin: Expr | None = None  # [rad/s], if it is already known
 
 
 class Line(NamedTuple):
-    """``heading``: joint angle [rad] of one direction of the line, that in which the pivot moves where a >= 0.
+    """The line along which a pivot moves."""
 
-    ``size``: of the velocity [m/s]. Up to `STILL` the pivot counts as standing, and there is no heading.
-    """
-
-    heading: Expr
-    size: Expr
+    heading: (
+        Expr  # joint angle [rad] along the line; the direction of motion if a >= 0. Undefined up to `STILL`
+    )
+    size: Expr  # speed [m/s]
 
 
 def line(a: Expr, b: Expr, zero: Expr, names: Locals, name: str) -> Line:
-    """The line of the velocity (a, b) [m/s] in a frame at the angle ``zero`` [rad] short of the joint's zero."""
+    """Return the line of a velocity.
+
+    Args:
+        a: The x component of the velocity [m/s].
+        b: The y component of the velocity [m/s].
+        zero: The zero angle of the joint [rad] in the frame of a and b.
+        names: Collects intermediate results.
+        name: A prefix for their names.
+
+    Returns:
+        The line, as a joint angle and a speed.
+    """
     size = names.define(f"{name}size", norm(a, b))
     safe = names.define(f"{name}size_safe", maximum(number(STILL), size))
     slope = names.define(f"{name}slope", b / add(safe, absolute(a)))
@@ -85,7 +95,16 @@ def line(a: Expr, b: Expr, zero: Expr, names: Locals, name: str) -> Line:
 
 
 def turned_by(w: Wheel, velocity: Velocity, angle: Exact = ZERO) -> Velocity:
-    """The velocity along and across the wheel at joint angle ``angle``."""
+    """Return a velocity along and across a wheel.
+
+    Args:
+        w: The wheel.
+        velocity: The velocity in the robot frame [m/s].
+        angle: The joint angle of the wheel [rad].
+
+    Returns:
+        The components along and across the wheel [m/s].
+    """
     g = working_view(w)
     c, s = g.ch, g.sh
     if angle:
@@ -95,10 +114,11 @@ def turned_by(w: Wheel, velocity: Velocity, angle: Exact = ZERO) -> Velocity:
 
 
 def near_zero(w: Wheel, velocity: Velocity) -> tuple[Velocity, Expr]:
-    """The velocity in a frame at a fixed angle [rad] short of the wheel's zero, and that angle.
+    """Return the velocity in a frame with few operations, and the zero angle of the joint in that frame [rad].
 
-    Turning by a quarter is free and by a tunable angle there is no other way. By any other the velocity is left in
-    the robot frame, where its cancelling terms have the plain coordinates of the pivot for factors.
+    The frame is that of the wheel at joint angle zero if its heading is a multiple of 90 degrees, which takes no
+    operation, or tunable. For any other heading it is the robot frame, in which the terms that may cancel have the
+    plain coordinates of the pivot as factors.
     """
     g = working_view(w)
     c, s = g.ch.constant, g.sh.constant
@@ -113,14 +133,23 @@ def near_zero(w: Wheel, velocity: Velocity) -> tuple[Velocity, Expr]:
 
 
 def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Target:
-    """A wheel steered on its own."""
+    """Return the target of a wheel whose steering is not coupled to different motions.
+
+    Args:
+        robot: The robot.
+        w: The steered wheel.
+        velocity: The velocity of its pivot in the robot frame [m/s].
+        names: Collects intermediate results.
+
+    Returns:
+        The target, inside the steering limits.
+    """
     limits, g = robot.limit(w, "steer"), working_view(w)
     if limits is not None and limits.high - limits.low <= NARROW:
         return _narrow(robot, w, limits, velocity, names)
-    (x, y), zero = near_zero(w, velocity)
-    a, b = components(
-        (x, y), names, *((f"{w.name}_{k}", f"v_A{k} of {w.name}") for k in "xy"), precise=robot.precise
-    )
+    in_frame, zero = near_zero(w, velocity)
+    called = (f"{w.name}_x", f"v_Ax of {w.name}"), (f"{w.name}_y", f"v_Ay of {w.name}")
+    a, b = components(in_frame, names, *called, precise=robot.precise)
     alone = limits is None and not g.o and [w] in robot.together("spin", robot.wheels)
     per_rim = expression(g.r.inverse()) if alone else sympy.S.One
     now = present(w, limits)
@@ -138,16 +167,16 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
 def _along(
     a: Expr, b: Expr, now: Expr, per_rim: Expr, zero: Expr, names: Locals, name: str
 ) -> tuple[Expr, Expr]:
-    """Angle and spin along the velocity (a, b) of a pivot, in a frame ``zero`` [rad] short of the joint's zero."""
-    way = line(a, b, zero, names, name)
-    heading_ = names.define(f"{name}heading", select(way.size, number(STILL), now, way.heading))
-    turns = nearest(times(number(PER_HALF_TURN), subtract(heading_, now)))
-    forwards = with_sign_of(times(per_rim, way.size), a)
-    return subtract(heading_, times(sympy.pi, turns)), times(alternating(turns), forwards)
+    """Return the nearest angle and the spin for a pivot with the velocity (a, b), see `line` for the arguments."""
+    motion = line(a, b, zero, names, name)
+    heading_ = names.define(f"{name}heading", select(motion.size, number(STILL), now, motion.heading))
+    half_turns = nearest(times(number(PER_HALF_TURN), subtract(heading_, now)))
+    forwards = with_sign_of(times(per_rim, motion.size), a)
+    return subtract(heading_, times(sympy.pi, half_turns)), times(alternating(half_turns), forwards)
 
 
 def _kernel(name: str, text: str, *ports: tuple[str, str]) -> Formula:
-    """`_along` as a function of its own; a frame at the joint's zero where no port is called zero."""
+    """Return `_along` as a kernel. The zero angle of the joint is 0 if no port is called zero."""
     names, signals = Locals(), {port: signal(port) for port, _ in ports}
     zero = signals.get("zero", sympy.S.Zero)
     steer, spin = _along(signals["x"], signals["y"], signals["now"], signals["per_rim"], zero, names, "")
@@ -162,10 +191,10 @@ def _kernel(name: str, text: str, *ports: tuple[str, str]) -> Formula:
 _PORTS = (("x", "m/s"), ("y", "m/s"), ("now", "rad"), ("per_rim", "1/m"))
 _TEXT = (
     "Steers along the velocity (x, y) [m/s] of a pivot, to the heading [rad] nearest to the present one, at most a "
-    "quarter turn away, and rolls backwards where that is shorter. At standstill the present angle is held. per_rim: "
+    "quarter turn away, and rolls backwards if that is shorter. At standstill it keeps the present angle. per_rim: "
     "spin [rad/s] per speed of the rim [m/s]"
 )
-_FROM = f"{_TEXT}. zero [rad]: of the joint, in the frame of x and y."
+_FROM = f"{_TEXT}. zero: the zero angle of the joint [rad] in the frame of x and y."
 _KERNELS = (
     _kernel("steer_along", f"{_TEXT}.", *_PORTS),
     _kernel("steer_along_from", _FROM, *_PORTS, ("zero", "rad")),
@@ -173,7 +202,7 @@ _KERNELS = (
 
 
 def present(w: Wheel, limits: Interval | None) -> Expr:
-    """The wheel's angle; what stands outside the limits counts as at the limit."""
+    """Return the present steering angle [rad], clamped to the limits."""
     now = signal(f"{w.name}.steer")
     if limits is None:
         return now
@@ -181,7 +210,7 @@ def present(w: Wheel, limits: Interval | None) -> Expr:
 
 
 def _limited(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) -> Target:
-    """The nearest heading, or its opposite where that one fits the limits better; no further than the limit."""
+    """Return the target for the nearest heading, or its opposite if that fits the limits better, clamped to them."""
     speed, ends = names.define(f"{w.name}_rim", rim), turning_points(limits)
     target = turned_back(steer, ends)
     if ends == limits:
@@ -193,54 +222,75 @@ def _limited(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) 
 
 
 def hysteresis(limits: Interval, apart: Exact = QUARTER) -> Exact:
-    """How much further outside its limits [rad] a wheel keeps its heading than the one of the other branch would be.
+    """Return the hysteresis between the two headings of a wheel at its steering limits.
 
-    The nearest heading is kept, cut at the stop, while that leaves it at most so much further outside. A stop slides
-    by the sine of its distance from the line, so that keeping costs at most sin(5 degrees) = 0.087 of the pivot's
-    speed; in return noise at a stop does not swing the wheel to the other one and back. It is 5 degrees for limits up
-    to half a turn apart. Inside wider ones both branches lie for a while, and it is what lets the wheel turn back 5
-    degrees beyond a quarter turn from the middle: nothing from 190 degrees on. Limits less than a quarter turn apart
-    have none: where both stops are equally near, either is dear. ``apart``: half of what lies between branches [rad].
+    A heading that is outside the limits is clamped to the limit. The wheel changes to the opposite heading only if that
+    is closer to the limits by more than the hysteresis. Otherwise noise at a limit would make the wheel swing from one
+    limit to the other. The wheel then slides with the sine of the angle by which it is clamped, so the hysteresis costs
+    at most sin(5 degrees) = 0.087 of the pivot's speed.
+
+    The hysteresis is 5 degrees for limits up to 180 degrees apart. Between wider limits both headings are allowed over
+    part of the range; the wheel then turns back 95 degrees from the middle of the limits, and from 190 degrees on no
+    heading is clamped and the hysteresis is 0. It is also 0 for limits less than 90 degrees apart, because there the
+    clamped angle is already far off if both limits are equally near.
+
+    Args:
+        limits: The steering limits [rad].
+        apart: Half the angle between two possible headings [rad].
+
+    Returns:
+        The hysteresis [rad].
     """
     width = limits.high - limits.low
     return ZERO if width <= NARROW else min(HYSTERESIS, max(ZERO, apart + HYSTERESIS - width / 2))
 
 
 def turning_points(limits: Interval, apart: Exact = QUARTER) -> Interval:
-    """The angles beyond which a heading is given up for that of the other branch; the limits if it never is cut.
+    """Return the angles [rad] beyond which a wheel changes to the other heading.
 
-    Without `hysteresis` they are the limits or, of narrower ones, where both branches are as far outside: the middle
-    decides which stop is nearer.
+    They are the limits if no heading is ever clamped. For limits without `hysteresis` that are less than 90 degrees
+    apart, they are the angles at which both headings are equally far outside.
+
+    Args:
+        limits: The steering limits [rad].
+        apart: Half the angle between two possible headings [rad].
+
+    Returns:
+        The interval of angles that are kept.
     """
-    middle, half, stay = (
-        (limits.low + limits.high) / 2,
-        (limits.high - limits.low) / 2,
-        hysteresis(limits, apart),
-    )
+    middle, half = (limits.low + limits.high) / 2, (limits.high - limits.low) / 2
+    stay = hysteresis(limits, apart)
     reach = max(half + stay, apart + stay / 2)
     return Interval(middle - reach, middle + reach)
 
 
 def turned_back(steer: Expr, ends: Interval, turn: Expr = sympy.pi) -> Expr:
-    """``steer`` or, beyond the turning points ``ends``, the angle one ``turn`` back."""
+    """Return ``steer``, or the angle one ``turn`` back if it is beyond the turning points.
+
+    Args:
+        steer: The nearest angle [rad].
+        ends: The turning points, see `turning_points`.
+        turn: The angle between two possible headings [rad].
+
+    Returns:
+        The chosen angle [rad], not clamped.
+    """
     target = select(number(ends.high), steer, subtract(steer, turn), steer)
     return select(steer, number(ends.low), add(steer, turn), target)
 
 
 def _narrow(robot: Robot, w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Target:
-    """Limits less than a quarter turn apart: at most one of the headings that roll is inside.
+    """Return the target for limits less than a quarter turn apart, inside which at most one heading rolls.
 
-    Seen from the middle of the limits the velocity is (u, v), and the wheel's slope v/u is cut at the tangent of
-    half their distance: the angle inside the limits at which the wheel slides least. A wheel that hardly moves
-    (|u| + |v| < 2 STILL) holds its angle.
+    With (u, v) as the velocity in the frame of the middle of the limits, the slope v/u is clamped to the tangent of
+    half their distance. The result is the angle inside the limits at which the wheel slides least. A wheel whose pivot
+    does not move (|u| + |v| < 2 STILL) keeps its angle.
     """
     middle, half = (limits.low + limits.high) / 2, (limits.high - limits.low) / 2
     cosine, sine = circle_point(half.rational())
     most = number(sine / cosine)
-    x, y = turned_by(w, velocity, middle)
-    u, v = components(
-        (x, y), names, *((f"{w.name}_{k}", f"{k} of {w.name}") for k in "pq"), precise=robot.precise
-    )
+    called = (f"{w.name}_p", f"p of {w.name}"), (f"{w.name}_q", f"q of {w.name}")
+    u, v = components(turned_by(w, velocity, middle), names, *called, precise=robot.precise)
     tangent = kept_between(-most, v / at_least(u, number(STILL)), most)
     slope = names.define(f"{w.name}_t", tangent, f"t of {w.name}")
     now = present(w, limits)

@@ -1,8 +1,9 @@
-"""Steered wheels that turn together: on one motor the common angle, on one chain the same way round.
+"""Steering of coupled wheels: a common angle for coupled steering, a common direction of rolling for coupled spins.
 
-One motor turns its wheels to the angle at which they slide least. A chain makes wheels turn alike, and a wheel half a
-turn about turns the other way round: of its two headings that roll each takes the one that turns the right way. Wheels
-that do not steer decide which way the chain runs, else the first steered wheel does on its nearest heading.
+Wheels with coupled steering take the angle at which they slide least. Wheels with coupled spins must roll in the same
+direction. A steered wheel has two possible headings half a turn apart, at which it rolls in opposite directions, and
+takes the one that fits. The direction of a set of coupled spins is determined by its wheels that do not steer. If there
+are none, the first steered wheel determines it with its nearest heading.
 """
 
 from __future__ import annotations
@@ -34,7 +35,16 @@ Targets = dict[int, Target]
 
 
 def nearest_steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Target]:
-    """Targets of all steered wheels, coupled ones together, each on the branch nearest to its present angle."""
+    """Return the targets of all steered wheels, with headings nearest to the present angles.
+
+    Args:
+        robot: The robot.
+        twist: vx, vy [m/s] and omega [rad/s] as polynomials.
+        names: Collects intermediate results.
+
+    Returns:
+        The targets by wheel index.
+    """
     result: dict[int, Target] = {}
     for members in steered_groups(robot):
         velocities = {w.index: pivot(w, twist) for w in members}
@@ -48,17 +58,17 @@ def nearest_steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Targe
 
 
 def steered_groups(robot: Robot) -> list[list[Wheel]]:
-    """The steered wheels, those that one motor turns together."""
+    """Return the steered wheels in sets with coupled steering."""
     return robot.together("steer", (w for w in robot.wheels if w.kind.steers))
 
 
 def moves_as_one(members: list[Wheel], velocities: dict[int, tuple[Poly, Poly]]) -> bool:
-    """True when the wheels of a group see the same velocity of their pivots from the same heading."""
+    """Return whether the pivots of all wheels have the same velocity relative to their zero headings."""
     return len({(velocities[w.index], w.working.ch, w.working.sh, w.steer_sign) for w in members}) == 1
 
 
 def _spins_as(w: Wheel, lead: Wheel) -> bool:
-    """A wheel whose pivot moves as another's turns as fast."""
+    """Return whether two wheels have the same spin when their pivots have the same velocity along them."""
     g, other = working_view(w), working_view(lead)
     return (g.r, g.o) == (other.r, other.o)
 
@@ -66,11 +76,20 @@ def _spins_as(w: Wheel, lead: Wheel) -> bool:
 def steer_group(
     robot: Robot, members: list[Wheel], velocities: dict[int, Velocity], names: Locals
 ) -> dict[int, Target]:
-    """Wheels turned by one motor: the common angle that leaves least sliding (sum of squares).
+    """Return targets with a common angle, at which the sum of squares of the lateral speeds is least.
 
-    The lateral speeds are w cos(t) - u sin(t); their squares sum to a minimum at half the angle of
-    (sum of u**2 - w**2, sum of 2 u w), the nearest of the two branches. A wheel that turns against the first is seen
-    in a mirror: its w has the other sign.
+    If the wheels turn by t, the lateral speeds are w cos(t) - u sin(t). Their sum of squares has a minimum at half the
+    angle of the vector (sum of u**2 - w**2, sum of 2 u w), and the nearer of the two minima is taken. For a wheel that
+    steers opposite to the first wheel, w has the opposite sign.
+
+    Args:
+        robot: The robot.
+        members: The wheels with coupled steering.
+        velocities: The velocities of their pivots in the robot frame [m/s], by wheel index.
+        names: Collects intermediate results.
+
+    Returns:
+        The targets by wheel index.
     """
     lead = members[0]
     limits = robot.limit(lead, "steer")
@@ -100,32 +119,58 @@ def seen_from(
     lead: Wheel | None = None,
     at: tuple[Poly, Poly] | None = None,
 ) -> tuple[Expr, Expr]:
-    """(u, w): the pivot's velocity along and across the wheel, at the present angle of ``lead``; w mirrored for a wheel
-    that turns against it.
+    """Return the velocity (u, w) of a pivot along and across its wheel.
 
-    ``at``: (cos, sin) of another angle.
+    Args:
+        w: The wheel.
+        velocity: The velocity of its pivot in the robot frame [m/s].
+        names: Collects intermediate results.
+        lead: The wheel whose steering it is coupled to, or None. The sign of w is reversed if the wheel steers opposite
+            to it.
+        at: Cosine and sine of the steering angle of ``lead`` (or of the wheel); by default of the present angle.
+
+    Returns:
+        u and w [m/s].
     """
-    g, sign = working_view(w), w.steer_sign
+    g, sign = working_view(w), Exact(1 if lead is None else w.steer_sign)
     c, s = steer_gens(w if lead is None else lead) if at is None else at
-    c, s = add_angles((g.ch, g.sh), (c, s if lead is None else s.scale(Exact(sign))))
-    a, b = (
-        names.short(f"{w.name}_{k}", p, f"v_A{k} of {w.name}") for k, p in zip("xy", velocity, strict=True)
-    )
+    c, s = add_angles((g.ch, g.sh), (c, s.scale(sign)))
+    a = names.short(f"{w.name}_x", velocity[0], f"v_Ax of {w.name}")
+    b = names.short(f"{w.name}_y", velocity[1], f"v_Ay of {w.name}")
     along = names.define(f"{w.name}_along", a * c + b * s, f"u of {w.name}")
-    across = names.define(
-        f"{w.name}_across", (b * c - a * s).scale(Exact(1 if lead is None else sign)), f"w of {w.name}"
-    )
+    across = names.define(f"{w.name}_across", (b * c - a * s).scale(sign), f"w of {w.name}")
     return along, across
 
 
 def turned(steer: Expr, turn: Expr, u: Expr, v: Expr, sign: int = 1) -> Target:
-    """The pivot's velocity (u, v) seen from the wheel after it has turned; ``sign`` -1: against ``steer``, its v
-    mirrored, and so its lateral velocity, of which only the square counts."""
+    """Return the target of a wheel that turns from its present angle.
+
+    Args:
+        steer: The target angle of the leading wheel [rad].
+        turn: The change of that angle [rad].
+        u: The velocity of the pivot along the wheel at the present angle [m/s].
+        v: The velocity across the wheel [m/s], as from `seen_from`.
+        sign: -1 if the wheel steers opposite to the leading wheel. Then the sign of the lateral speed is reversed too,
+            which does not matter because only its square is used.
+
+    Returns:
+        The target.
+    """
     return Target(times(sign, steer), *rotated_back(sympy.cos(turn), sympy.sin(turn), u, v))
 
 
 def turning_alike(robot: Robot, twist: Row, targets: Targets, names: Locals) -> Targets:
-    """``targets`` with the wheels of every chain rolling the same way round, as far as their limits let them."""
+    """Return ``targets`` in which wheels with coupled spins roll in the same direction, if steering limits allow it.
+
+    Args:
+        robot: The robot.
+        twist: vx, vy [m/s] and omega [rad/s] as polynomials.
+        targets: The targets of steered wheels by index.
+        names: Collects intermediate results.
+
+    Returns:
+        The targets, some with the opposite heading.
+    """
     result = dict(targets)
     for members in robot.together("spin", robot.wheels):
         units = robot.together("steer", (w for w in members if w.kind.steers))
@@ -141,21 +186,23 @@ def turning_alike(robot: Robot, twist: Row, targets: Targets, names: Locals) -> 
 
 
 def _unsteered(robot: Robot, w: Wheel, twist: Row) -> Expr:
-    """r times the speed in the rolling row, of a wheel whose heading stands; r seen from the chain."""
+    """Return r times the rolling speed for a wheel that does not steer, with r per radian of the common shaft."""
     g = working_view(w)
     return expression(dot(rolling_row(w, g).row, twist) * robot.per_turn(w, g))
 
 
 def _rolling(robot: Robot, unit: list[Wheel], targets: Targets) -> list[Expr]:
-    """The same of steered wheels on their targets."""
+    """Return r times the rolling speed for steered wheels at their targets, with r per radian of the common shaft."""
     return [times(expression(robot.per_turn(w, working_view(w))), targets[w.index].rim) for w in unit]
 
 
 def _reversed(robot: Robot, unit: list[Wheel], agrees: Expr, targets: Targets, names: Locals) -> Targets:
-    """Half a turn about where ``agrees`` is negative and the limits leave room for it."""
+    """Return targets of ``unit`` half a turn away if ``agrees`` is negative and the limits allow it."""
     lead = unit[0]
     limits = robot.limit(lead, "steer")
-    if limits is not None and limits.high - limits.low < 3:
+    if (
+        limits is not None and limits.high - limits.low < 3
+    ):  # rad: the other heading is half a turn away, outside
         return {}
     steer = names.define(f"{lead.name}_rolls", times(lead.steer_sign, targets[lead.index].steer))
     against = names.define(f"{lead.name}_agrees", agrees)

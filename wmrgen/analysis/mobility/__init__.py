@@ -1,4 +1,4 @@
-"""How a robot can move: degrees, ranks, reachable dimensions, and why."""
+"""The mobility of a robot: degrees, ranks, reachable dimensions, and the reasons for them."""
 
 from wmrgen.analysis.mobility.analyse import analyse
 from wmrgen.analysis.mobility.records import Mobility, Singularity

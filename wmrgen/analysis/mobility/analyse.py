@@ -1,4 +1,4 @@
-"""Mobility, steerability, maneuverability: one rule for every layout; and, in symbols, where the model is singular."""
+"""Analyse the mobility of a layout: degrees, ranks and reasons, and in symbols the states at which it is singular."""
 
 from __future__ import annotations
 
@@ -22,12 +22,14 @@ from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.layout.skid import driven, parallel
 from wmrgen.geometry.notation import in_code, plain
 
-SAME_ANGLE = 1e-9  # of twice a steering angle [rad]: rounding of doubles, as `layout.skid.parallel` has it
-MOST_WHEELS = 8  # among which minors are written out
+SAME_ANGLE = (
+    1e-9  # distance of points of the unit circle: above the rounding of doubles, as in `layout.skid.parallel`
+)
+MOST_WHEELS = 8  # wheels whose minors become conditions: 56 of them; more would not be readable
 
 
 def analyse(robot: Robot) -> Mobility:
-    """Degrees, ranks, reachable dimensions and the reasons for them."""
+    """Return degrees, ranks, reachable dimensions and the reasons for them."""
     at = configuration(robot)
     rows = basis(robot, at)
     named = tuple(row.row(symbolic_view) for row in rows)
@@ -35,12 +37,11 @@ def analyse(robot: Robot) -> Mobility:
     columns = tuple(fixed(column, robot) for column in symbolic)
     per_eta = scaled(symbolic, deciding(rows), robot)
     acting = driven(robot)
-    sentences, argument = reasons(at, deciding(rows))
     leaders = (robot.wheels[robot.steer_group[w.index]].name for w in deciding(rows))
     return Mobility(
         degree_of_mobility=at.mobility, degree_of_steerability=at.steerability,
         rank_C1f=at.rank_fixed, rank_C1=at.rank,
-        reasons=tuple(map(plain, sentences)), argument=argument, actuation=_actuation(at),
+        explanation=reasons(at, deciding(rows)), actuation=_actuation(at),
         apart=apart(at), skids=skids(at), verdict=plain(verdict(at)),
         growth_vector=growth_vector(at),
         singularities=singularities(at, deciding(rows), columns),
@@ -54,7 +55,7 @@ def analyse(robot: Robot) -> Mobility:
 
 
 def _actuation(at: Configuration) -> tuple[Balance, ...]:
-    """What is actuated beyond or short of need: of driving, and of steering where there is any."""
+    """Compare motors with degrees of freedom, for driving and, if the robot steers, for steering."""
     robot = at.robot
     spins = [w for w in robot.wheels if "spin" in w.actuated]
     swivelled = [w for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
@@ -73,7 +74,10 @@ def _actuation(at: Configuration) -> tuple[Balance, ...]:
 
 
 def _driving_row(w: Wheel, at: Configuration) -> Array:
-    """Rim speed per twist at the sample configuration, castors at their zero angle: see `constraints.driving_row`."""
+    """Return the row of the rim speed at the sample configuration, with castors at angle zero.
+
+    It is `constraints.driving_row` in numbers.
+    """
     g = w.nominal
     heading = steering_for(w, at.admissible.sample) if w.kind.steers else w.zero_heading
     row: Array = along(w, heading * complex(float(g.cg), float(g.sg))) - np.array([0.0, 0.0, float(g.o)])
@@ -81,45 +85,51 @@ def _driving_row(w: Wheel, at: Configuration) -> Array:
 
 
 def _swivelling_row(w: Wheel) -> Array:
-    """The twist row of a castor's steering rate."""
+    """Return the row of a castor's steering rate on the twist, at angle zero."""
     d = float(w.nominal.d)
     row: Array = -(along(w, 1j * w.zero_heading) + np.array([0.0, 0.0, d])) / d
     return row
 
 
 def driving(robot: Robot, mobility: Mobility) -> tuple[Robot, Mobility]:
-    """The layout that wheel speeds and motion follow from, `layout.skid.driven`, and what that can do."""
+    """Return the layout from which kinematics are derived (`layout.skid.driven`), and its mobility."""
     return mobility.driven or (robot, mobility)
 
 
 def fixed(row: Row, robot: Robot) -> Row:
-    """A row with the parameters that are not tunable at their values."""
+    """Return a row with the parameters that are not tunable replaced by their values."""
     return each(row, lambda p: fix(p, robot.constants))
 
 
 def singularities(
     at: Configuration, wheels: tuple[Wheel, ...], columns: tuple[Row, ...]
 ) -> tuple[Singularity, ...]:
-    """All singular sets of the layout, each with the conditions that vanish there.
+    """Return all singular sets of the layout.
 
-    ``wheels``: the steered wheels that give a row of C1; ``columns``: of the null space of C1.
+    Args:
+        at: A generic configuration of the robot.
+        wheels: The steered wheels that give a row of C1.
+        columns: The columns of the null space of C1, working view.
+
+    Returns:
+        One record for each set, with the conditions that vanish there.
     """
     pivots = [_icr_on_pivot(w) for w in at.robot.wheels if w.kind.steers]
     return (*pivots, *_shared_axles(at, wheels), *_drive(at, wheels, columns), *_rolling_rank(at))
 
 
 def _icr_on_pivot(w: Wheel) -> Singularity:
-    """A steered wheel whose pivot is the ICR: every heading rolls, the inverse holds the present one."""
+    """Return the singularity of a steered wheel whose pivot is the ICR, so that it rolls at any heading."""
     g, one, zero = working_view(w), Poly.of(1), Poly({})
-    text = f"the ICR lies on the pivot of `{w.name}`: its heading is undefined, and inverse holds the present angle"
+    text = f"the ICR is on the pivot of `{w.name}`: its heading is undefined, and inverse keeps the present angle"
     return Singularity("icr_on_pivot", ((one, zero, -g.y), (zero, one, g.x)), text, (w.name,))
 
 
 def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singularity]:
-    """The axles of the two steered wheels that decide the motion fall into one line: rank C1 drops.
+    """Return the singularity at which the axles of the two steered wheels that give rows of C1 are on one line.
 
-    A steered wheel on the line of the fixed axle decides nothing: its axle can always follow. Axles that one angle
-    turns keep the angle between them.
+    There is none if a fixed wheel gives a row. Nor is there one if both wheels steer together and are never on one
+    line, because the angle between their axles is constant.
     """
     if at.mobility != 1 or len(wheels) != 2:
         return []
@@ -141,7 +151,7 @@ def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singular
 
 
 def _turned_into(wheels: list[Wheel], direction: complex) -> bool:
-    """Whether one angle of their motor turns all ``wheels`` into ``direction``, forwards or backwards."""
+    """Return whether one common steering angle points all ``wheels`` along ``direction``, forwards or backwards."""
     if not direction:
         return parallel([w.zero_heading for w in wheels])
     angles = [(w.zero_heading.conjugate() * direction / abs(direction)) ** (2 * w.steer_sign) for w in wheels]
@@ -149,14 +159,26 @@ def _turned_into(wheels: list[Wheel], direction: complex) -> bool:
 
 
 def towards(a: Wheel, b: Wheel, view: View) -> Poly:
-    """e_a . (A_b - A_a): zero when the axle of a passes through the pivot of b."""
+    """Return e_a . (A_b - A_a), which is zero if the axle of a passes through the pivot of b.
+
+    Args:
+        a: The wheel with the axle.
+        b: The wheel with the pivot.
+        view: The view of the geometry.
+
+    Returns:
+        A polynomial in the steering angle of a [m].
+    """
     ga, gb = view(a), view(b)
     ex, ey = heading(a, ga)
     return ex * (gb.x - ga.x) + ey * (gb.y - ga.y)
 
 
 def _may_be_one_line(robot: Robot) -> bool:
-    """Whether all steered axles can be: their pivots are on a line, and one angle of each motor turns its wheels so."""
+    """Return whether all steered axles can be on one line.
+
+    Their pivots must be on a line, and each set of coupled wheels must have an angle that turns its axles into it.
+    """
     steered = [w for w in robot.wheels if w.kind.steers]
     first, *others = (w.pivot for w in steered)
     points = [[(p - first).real, (p - first).imag] for p in others]
@@ -167,7 +189,7 @@ def _may_be_one_line(robot: Robot) -> bool:
 
 
 def _drive(at: Configuration, wheels: tuple[Wheel, ...], columns: tuple[Row, ...]) -> list[Singularity]:
-    """The driven wheels lose their grip on the motion: every rolling row vanishes on the null space."""
+    """Return the singularity at which all rolling rows of driven wheels vanish on the null space."""
     driven = [w for w in at.robot.wheels if "spin" in w.actuated]
     if len(columns) != 1 or not driven or any(w.turns for w in driven):
         return []
@@ -180,16 +202,16 @@ def _drive(at: Configuration, wheels: tuple[Wheel, ...], columns: tuple[Row, ...
     if len(rates) > len(wheels) or any(r.constant is not None for r in rates):
         return []
     names = tuple(w.name for w in driven)
-    one = len(names) == 1
-    text = (
-        f"{in_code(names)} {'stands' if one else 'stand'} still whatever the robot does there: "
-        f"{'it drives and measures' if one else 'they drive and measure'} nothing"
-    )
+    if len(names) == 1:
+        verb, pronoun = "does", "it"
+    else:
+        verb, pronoun = "do", "they"
+    text = f"{in_code(names)} {verb} not turn when the robot moves: {pronoun} can neither drive nor measure that motion"
     return [Singularity("drive", tuple(rates), text, names)]
 
 
 def _rolling_rank(at: Configuration) -> list[Singularity]:
-    """The rolling rows of a robot without sliding constraints do not span its three freedoms."""
+    """Return the singularity of a robot without sliding constraints whose rolling rows have rank 2 or less."""
     wheels = [w for w in at.robot.wheels if w.kind.rolls_across]
     if at.mobility != 3 or not wheels or any(w.kind.swivels and w.actuated for w in at.robot.wheels):
         return []
@@ -197,11 +219,11 @@ def _rolling_rank(at: Configuration) -> list[Singularity]:
     rank, _ = numeric_rank(unit_rows(to_array(rows)))
     if rank == 3:
         return []
-    text = (
-        f"the rolling rows of {in_code(w.name for w in wheels)} have rank {rank}: "
-        f"{'one motion of the body turns' if rank == 2 else 'two independent motions of the body turn'} no wheel, so "
-        f"the wheels cannot drive {'it' if rank == 2 else 'them'}"
-    )
+    if rank == 2:
+        motions = "one motion of the body turns no wheel, so the wheels cannot drive it"
+    else:
+        motions = "two independent motions of the body turn no wheel, so the wheels cannot drive them"
+    text = f"the rolling rows of {in_code(w.name for w in wheels)} have rank {rank}: {motions}"
     if any(w.nominal.sg for w in wheels) and len(wheels) > 2:
         text += (
             ". Mecanum rollers at the ground must form an O (seen from above the roller lines form a diamond around "
@@ -211,11 +233,11 @@ def _rolling_rank(at: Configuration) -> list[Singularity]:
 
 
 def _minors(wheels: list[Wheel]) -> tuple[Poly, ...]:
-    """What vanishes, in the named parameters: the 3x3 minors of the rolling rows, each form once."""
+    """Return the distinct 3x3 minors of the rolling rows, which vanish, as polynomials in the named parameters."""
     rows = [rolling_row(w, symbolic_view(w)).row for w in wheels[:MOST_WHEELS]]
     forms: list[Poly] = []
-    for triple in combinations(rows, 3):
-        form = primitive((determinant(triple), Poly({}), Poly({})))[0]
+    for three in combinations(rows, 3):
+        form = primitive((determinant(three), Poly({}), Poly({})))[0]
         if form and form.constant is None and form not in forms:
             forms.append(form)
     return tuple(forms)

@@ -1,7 +1,7 @@
-"""Independent rows of C1, and their null space with readable entries: polynomials, cleared of common factors.
+"""Choose independent rows of C1, and write their null space in short polynomials without common factors.
 
-A rank-1 matrix is an axle: its null space is motion along the wheel and rotation about the axle.
-The null space of a rank-2 matrix is one cross product.
+A matrix of rank 1 is the row of an axle: its null space is motion along the wheel and rotation about a point of the
+axle. The null space of a matrix of rank 2 is the cross product of its rows.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from wmrgen.geometry.exact.poly import (
 )
 from wmrgen.geometry.layout.records import Robot, Wheel
 
-INDEPENDENT = 1e-3  # smallest singular value of rows taken for clearly independent
-MOST_CANDIDATES = 16  # steered wheels among which the independent ones are sought
-NEGLIGIBLE = 1e-9
+INDEPENDENT = 1e-3  # smallest singular value of unit rows that are clearly independent
+MOST_CANDIDATES = 16  # steered wheels that are combined in all ways: at most 560 combinations
+NEGLIGIBLE = 1e-9  # relative to the largest coefficient, or m/s: smaller values are rounding errors
 _ZERO, _ONE = Poly({}), Poly.of(1)
 IDENTITY: tuple[Row, ...] = ((_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE))
 
@@ -45,17 +45,17 @@ Polys = TypeVar("Polys", bound=tuple[Poly, ...])
 
 
 class BasisRow(NamedTuple):
-    """A row of C1 in any view of the geometry, twists in SI units; ``steered``: the wheels that it stands for."""
+    """A row of C1."""
 
-    row: Callable[[View], Row]
-    steered: tuple[Wheel, ...] = ()
+    row: Callable[[View], Row]  # the row in a view of the geometry, for twists in SI units
+    steered: tuple[Wheel, ...] = ()  # the steered wheels that it comes from
 
 
 def basis(robot: Robot, at: Configuration) -> tuple[BasisRow, ...]:
-    """Constant rows first, then the coupling's own row, then as many steered wheels as the rank needs.
+    """Return independent rows that span C1: constant rows first, then the row of couplings, then steered wheels.
 
-    A coupling's ban on turning is a constant. The row of any other plane that it leaves has lengths in it, as numbers:
-    rows of steered wheels, which have them as symbols, replace it if their angles are free.
+    The row of couplings contains lengths as numbers, except if it only forbids rotation. It is therefore replaced by
+    rows of steered wheels, which contain the lengths as symbols, if the angles of these wheels are free.
     """
     normal = at.admissible.normal
     if normal is not None and (normal[0] or normal[1]):
@@ -67,7 +67,7 @@ def basis(robot: Robot, at: Configuration) -> tuple[BasisRow, ...]:
 
 
 def _spanning(robot: Robot, at: Configuration, normal: Row | None) -> tuple[BasisRow, ...]:
-    """Rows that span C1, ``normal`` among them where it is given."""
+    """Return rows that span C1, including ``normal``, the row of couplings, if it is given."""
     fixed = [_constant(robot, at.unit.row(row), index) for row, index in at.constant]
     numbers = [at.C1[: len(fixed)]]
     if normal is not None:
@@ -84,12 +84,12 @@ def _spanning(robot: Robot, at: Configuration, normal: Row | None) -> tuple[Basi
 
 
 def deciding(rows: Sequence[BasisRow]) -> tuple[Wheel, ...]:
-    """The steered wheels that give a row: they decide where the ICR lies."""
+    """Return the steered wheels that give a row. Their angles determine the ICR."""
     return tuple({w.index: w for row in rows for w in row.steered}.values())
 
 
 def _constant(robot: Robot, row: Row, index: int | None) -> BasisRow:
-    """A constant row: of the wheel ``index``, or of a coupling."""
+    """Return a constant row: the sliding row of the wheel ``index``, or ``row`` itself if it comes from a coupling."""
     if index is None:
         alone = each(row, partial(led, robot))
         return BasisRow(lambda _: alone)
@@ -102,7 +102,10 @@ def _slides(robot: Robot, w: Wheel) -> BasisRow:
 
 
 def _turns_alike(robot: Robot, a: Wheel, b: Wheel) -> BasisRow:
-    """r_b e_a - r_a e_b: the rolling rows of two wheels that turn alike, r per turn of what turns both."""
+    """Return r_b e_a - r_a e_b, where e are the rolling rows of two wheels with coupled spins.
+
+    r is the distance that a wheel rolls per radian of their common shaft.
+    """
 
     def row(view: View) -> Row:
         p, q = view(a), view(b)
@@ -113,7 +116,7 @@ def _turns_alike(robot: Robot, a: Wheel, b: Wheel) -> BasisRow:
 
 
 def led(robot: Robot, p: Poly) -> Poly:
-    """A polynomial in the joint angles of the wheels that couplings follow."""
+    """Return a polynomial with each coupled steering angle replaced by the angle of its leading wheel."""
 
     def value(gen: Gen) -> Poly | None:
         if gen.kind not in ("cos", "sin"):
@@ -126,11 +129,12 @@ def led(robot: Robot, p: Poly) -> Poly:
 
 
 def _chosen(rows: Array, head: int, steered: list[Wheel], at: Configuration) -> list[int]:
-    """Rows that span: all independent ones of the first ``head``, and the steered wheels that stay independent longest.
+    """Return the indices of rows that span C1.
 
-    Rows of equal spins (those after the steered wheels) come where the steered wheels do not suffice.
-    Of several choices the one is taken whose axles differ most with every wheel at its zero angle, then with
-    every wheel turned by 90 degrees: the posture model is singular where they fall into one line.
+    These are all independent rows among the first ``head``, then rows of steered wheels, and rows of coupled spins only
+    if the steered wheels do not suffice. The posture model is singular if the axles of the chosen wheels are on one
+    line. Among several choices the function therefore takes the wheels whose axles differ most at angle zero, then at
+    90 degrees.
     """
     rank = at.rank.value
     constant = independent(rows[:head], min(rank, head))
@@ -148,14 +152,16 @@ def _chosen(rows: Array, head: int, steered: list[Wheel], at: Configuration) -> 
 
 
 def _apart(constant: Array, wheels: list[Wheel], turned: complex) -> float:
-    """The smallest singular value of the rows with every steered wheel at its zero angle, or ``turned`` from it."""
-    angles = [turned if w.steer_sign > 0 else turned.conjugate() for w in wheels]
-    axles = [along(w, 1j * t * w.zero_heading)[None, :] for w, t in zip(wheels, angles, strict=True)]
-    return round(singular_values(np.vstack([constant, *axles]))[-1], 6)
+    """Return the smallest singular value of the rows with every steered wheel turned by the angle of ``turned``."""
+    axles = []
+    for w in wheels:
+        own = turned if w.steer_sign > 0 else turned.conjugate()
+        axles.append(along(w, 1j * own * w.zero_heading)[None, :])
+    return round(singular_values(np.vstack([constant, *axles]))[-1], 6)  # so that rounding decides no choice
 
 
 def null_columns(rows: Sequence[Row]) -> tuple[Row, ...]:
-    """A basis (as columns) of the null space of up to three independent rows."""
+    """Return a basis, as columns, of the null space of up to three independent rows."""
     if not rows:
         return IDENTITY
     if len(rows) == 1:
@@ -166,11 +172,20 @@ def null_columns(rows: Sequence[Row]) -> tuple[Row, ...]:
 
 
 def scaled(columns: tuple[Row, ...], steered: tuple[Wheel, ...], robot: Robot) -> tuple[Row, ...]:
-    """The columns so that their coordinates eta are speeds: [rad/s] where a column turns the robot at a rate that no
-    angle changes, else [m/s]. ``steered``: the wheels that decide where the ICR lies.
+    """Scale null space columns so that their coordinates eta are speeds.
 
-    A column that steering changes moves their pivots at 1 m/s, on average, where they all stand straight; or at a right
-    angle to that, where their axles are one line. A robot that steers one angle moves that pivot so at any.
+    eta is a yaw rate [rad/s] if the column has a yaw rate that does not depend on steering. Otherwise it is a speed
+    [m/s]. At eta = 1 and steering angles of 0, the pivots of the steered wheels then move at 1 m/s on average. If their
+    speed is 0 there, steering angles of 90 degrees are used. If only one angle is steered, its pivot has that speed at
+    any angle.
+
+    Args:
+        columns: The columns of the null space.
+        steered: The steered wheels that determine the ICR.
+        robot: The robot.
+
+    Returns:
+        The columns, each divided by a polynomial without joint angles.
     """
     return tuple(_per_speed(column, steered, robot) for column in columns)
 
@@ -188,7 +203,7 @@ def _per_speed(column: Row, steered: tuple[Wheel, ...], robot: Robot) -> Row:
 
 
 def _rim(w: Wheel, twist: Row, cosine: int, sine: int) -> Poly:
-    """Speed of the pivot of a wheel that rolls, along its heading."""
+    """Return the speed [m/s] of a wheel's pivot along its heading, at the steering angle of this cosine and sine."""
     (x, y, turn), g = twist, w.symbolic
     sine *= w.steer_sign
     c, s = g.ch.scale(cosine) - g.sh.scale(sine), g.sh.scale(cosine) + g.ch.scale(sine)
@@ -196,7 +211,7 @@ def _rim(w: Wheel, twist: Row, cosine: int, sine: int) -> Poly:
 
 
 def _over(row: Row, divisor: Poly) -> Row:
-    """row / divisor, which no angle changes; what is a multiple of it cancels."""
+    """Return row / divisor for a divisor without joint angles, and cancel multiples of it."""
     inverse = divisor.inverse()
 
     def quotient(p: Poly) -> Poly:
@@ -216,9 +231,12 @@ def _over(row: Row, divisor: Poly) -> Row:
 
 
 def _speed(twist: Row, rims: Sequence[Poly], values: Mapping[str, Poly]) -> Poly | None:
-    """The mean of the speeds ``rims``, of P where there are none; None of a standstill."""
-    size = [p * p for p in twist[:2] if p]
-    speeds = rims or ([p for p in twist[:2] if p] if len(size) == 1 else [sqrt_poly(Poly.sum(size))])
+    """Return the mean of the speeds ``rims``, or the speed of P if there are none; None if all are 0."""
+    speeds = list(rims)
+    if not speeds:
+        components = [p for p in twist[:2] if p]
+        one = len(components) == 1
+        speeds = components if one else [sqrt_poly(Poly.sum(p * p for p in components))]
     forward = [p.scale(Exact(1 if number(p, values).sign >= 0 else -1)) for p in speeds]
     if all(abs(float(number(p, values))) < NEGLIGIBLE for p in forward):
         return None
@@ -226,8 +244,9 @@ def _speed(twist: Row, rims: Sequence[Poly], values: Mapping[str, Poly]) -> Poly
 
 
 def _axle(row: Row) -> tuple[Row, ...]:
+    """Return the null space of one row: motion along the wheel, and rotation about a point of the axle."""
     nx, ny, k = row
-    if not nx and not ny:  # a pure ban on rotation
+    if not nx and not ny:  # the row forbids only rotation
         return IDENTITY[:2]
     size = nx * nx + ny * ny
     forward = primitive((ny, -nx, _ZERO))
@@ -237,7 +256,7 @@ def _axle(row: Row) -> tuple[Row, ...]:
 
 
 def _cleared(row: Row) -> Row:
-    """A null vector without common factors, also without a polynomial that no angle changes."""
+    """Return a null vector without common factors, also without a common polynomial in lengths."""
     first = next((p for p in row if p), _ZERO)
     if first and not has_angles([first]):
         numbers = _over(row, first)
@@ -246,7 +265,7 @@ def _cleared(row: Row) -> Row:
 
 
 def primitive(row: Polys) -> Polys:
-    """The row without common factors: no common monomial, leading coefficient 1."""
+    """Return the row without common monomials, and with a leading coefficient of 1."""
     if not any(row):
         return row
     shift, factor = common_powers(row), _leading(row)
@@ -254,13 +273,14 @@ def primitive(row: Polys) -> Polys:
 
 
 def _leading(row: tuple[Poly, ...]) -> Exact:
-    """The first coefficient of the first entry that is not negligible beside the largest."""
+    """Return the first coefficient that is not negligible compared to the largest."""
     ordered = [c for p in row for _, c in p.ordered]
     largest = max(abs(float(c)) for c in ordered)
     return next(c for c in ordered if abs(float(c)) > NEGLIGIBLE * largest)
 
 
 def _shifted(p: Poly, shift: dict[Gen, int], factor: Exact) -> Poly:
+    """Return ``p`` divided by the monomial ``shift`` and by ``factor``."""
     inverse = factor.inverse()
     terms = {}
     for m, c in p.terms.items():

@@ -1,8 +1,7 @@
-"""A generic admissible configuration, and the ranks there.
+"""Find a generic admissible configuration of a robot, and determine the ranks there.
 
-A twist of the admissible set tells every steered wheel where to point: along the velocity (a, b) of its
-pivot. Its sliding row, scaled by the pivot's speed, is then [-b, a, x a + y b], which is exact when the
-twist is.
+At an admissible twist every steered wheel points along the velocity (a, b) of its pivot. Its sliding row, scaled by the
+speed of the pivot, is then [-b, a, x a + y b], which is exact if the twist is exact.
 """
 
 from __future__ import annotations
@@ -42,24 +41,23 @@ from wmrgen.geometry.exact.poly import Gen, Poly, Row, triple
 from wmrgen.geometry.layout.records import Robot, Wheel
 
 ExactRow = tuple[Exact, Exact, Exact]
-Constant = tuple[Row, int | None]  # a row on xi, and the fixed wheel it comes from
-AGAINST = 1e-3  # of a twist: wheels that roll against one another miss by twice their speed
-_WEIGHTS = ((7, -5, 3), (-4, 9, 5), (11, 2, -6))
+Constant = tuple[Row, int | None]  # a row on xi, and the index of the fixed wheel that it comes from
+AGAINST = (
+    1e-3  # residual relative to the twist; wheels that roll against one another have one of twice their speed
+)
+_WEIGHTS = ((7, -5, 3), (-4, 9, 5), (11, 2, -6))  # of basis vectors, for three generic twists: any would do
 
 
 class Configuration(NamedTuple):
-    """A generic admissible configuration of ``robot``, the robot in ``unit``, and the ranks there.
+    """A generic admissible configuration of a robot, and the ranks there."""
 
-    ``constant``: independent rows that depend on no steered wheel. ``C1``: its rows, the constant ones first.
-    """
-
-    robot: Robot
+    robot: Robot  # with nominal geometry in `unit`
     unit: Unit
-    constant: tuple[Constant, ...]
-    admissible: Admissible
-    rank_fixed: Rank
-    rank: Rank
-    C1: Array
+    constant: tuple[Constant, ...]  # independent rows that do not depend on a steered wheel
+    admissible: Admissible  # in `unit`
+    rank_fixed: Rank  # of C1f
+    rank: Rank  # of C1
+    C1: Array  # rows of C1, the constant ones first
 
     @property
     def mobility(self) -> int:
@@ -78,7 +76,7 @@ class Configuration(NamedTuple):
 
 
 def configuration(robot: Robot) -> Configuration:
-    """The admissible twists of a robot and the ranks at a generic one."""
+    """Return the admissible twists of a robot, and the ranks at a generic one."""
     unit = unit_of(robot)
     own = unit.robot(robot)
     c = constrain(own, nominal_view)
@@ -93,17 +91,17 @@ def configuration(robot: Robot) -> Configuration:
 
 
 def in_metres(picked: Admissible, unit: Unit) -> Admissible:
-    """The admissible twists as twists of P in SI units."""
+    """Return the admissible twists as twists of P in SI units."""
     normal = None if picked.normal is None else unit.row(picked.normal)
     basis, sample, tangent = (unit.twists(rows) for rows in (picked.basis, picked.sample, picked.tangent))
     return picked._replace(normal=normal, basis=basis, sample=sample, tangent=tangent)
 
 
 def _numbers(robot: Robot, rows: Sequence[Row]) -> list[ExactRow]:
-    """Constant rows as numbers, at generic castor angles (rational points of the circle) where those occur."""
+    """Return constant rows as numbers, at generic castor angles, which are rational points of the unit circle."""
     angles: dict[Gen, Poly] = {}
     for w in (w for w in robot.wheels if w.kind.swivels):
-        t = Fraction(2 + 3 * robot.steer_group[w.index], 7)  # coupled castors share one
+        t = Fraction(2 + 3 * robot.steer_group[w.index], 7)  # coupled castors have one angle
         for function, value in zip(("cos", "sin"), circle(t), strict=True):
             angles[Gen(function, w.name)] = Poly.of(value)
     numbers: list[ExactRow] = []
@@ -114,19 +112,20 @@ def _numbers(robot: Robot, rows: Sequence[Row]) -> list[ExactRow]:
 
 
 def _admissible(robot: Robot, rows: Sequence[Row]) -> tuple[Admissible, list[ExactRow]]:
-    """The admissible cone and the independent ones of ``rows``."""
+    """Return the admissible twists and the independent rows among ``rows``, as numbers."""
     numbers = _numbers(robot, rows)
     array = unit_rows(to_array(numbers))
     chosen = independent(array, numeric_rank(array)[0])
-    best = _freest(robot, array[chosen], components(array[chosen], quadrics(robot)))
+    best = _most_mobile(robot, array[chosen], components(array[chosen], quadrics(robot)))
     picked = best._replace(chosen=tuple(chosen), normal=_normal(best, array[chosen]))
     return picked, [numbers[i] for i in chosen]
 
 
-def _freest(robot: Robot, constant: Array, candidates: list[Admissible]) -> Admissible:
-    """The component with most freedom of steering, then of motion, then the straightest; none where nothing can move.
+def _most_mobile(robot: Robot, constant: Array, candidates: list[Admissible]) -> Admissible:
+    """Return the component with the largest steerability, then mobility, then the least rotation.
 
-    The forms know speeds up to their sign: a component is dropped where wheels would roll against one another.
+    It is empty if the robot cannot move. The quadratic forms determine speeds only up to their sign, so components are
+    skipped in which coupled wheels would roll in opposite directions.
     """
     empty = Admissible(np.zeros((0, 3)), np.zeros(3), True, np.zeros((0, 3)))
     best, score = empty, (-1, 0, 0, 0.0)
@@ -143,42 +142,40 @@ def _freest(robot: Robot, constant: Array, candidates: list[Admissible]) -> Admi
 
 
 def _normal(best: Admissible, constant: Array) -> Row | None:
-    """The extra row that coupled steering imposes: orthogonal to the admissible plane or line."""
+    """Return the row of the constraint that coupled steering adds, orthogonal to the admissible twists, or None."""
     if not best.linear or best.dimension == 0 or len(constant) + best.dimension != 2:
         return None
     n = null_basis(np.vstack([best.basis, constant]))[0]
     n = n / n[np.argmax(np.abs(n))]
-    return triple(
-        Poly.of(Fraction(float(v)).limit_denominator(10**9)) for v in np.where(np.abs(n) < 1e-12, 0, n)
-    )
+    n = np.where(np.abs(n) < 1e-12, 0, n)  # rounding errors of entries that are 0
+    return triple(Poly.of(Fraction(float(v)).limit_denominator(10**9)) for v in n)
 
 
 def pivot_velocity(w: Wheel, twist: Array | tuple[float, float, float]) -> complex:
-    """Velocity of the pivot [m/s], x + iy."""
+    """Return the velocity of the pivot [m/s], x + iy."""
     x, y = float(w.nominal.x), float(w.nominal.y)
     return complex(twist[0] - y * twist[2], twist[1] + x * twist[2])
 
 
 def steering_for(w: Wheel, twist: Array) -> complex:
-    """The heading that lets the wheel roll under ``twist``; its zero heading when it stands still."""
+    """Return the heading at which the wheel rolls under ``twist``, or its zero heading if its pivot does not move."""
     v = pivot_velocity(w, twist)
     return v / abs(v) if abs(v) > 1e-12 else w.zero_heading
 
 
 def _rows_at(robot: Robot, twist: Array, constant: Array) -> Array:
-    """All rows on xi at the steering that ``twist`` asks for, couplings eliminated: (N, 3)."""
+    """Return all rows on xi at the steering for ``twist``, with couplings eliminated, shape (N, 3)."""
     headings = _steering(robot, twist)
     rows = [along(robot.wheels[i], 1j * e)[None, :] for i, e in headings.items()]
-    rows += [
-        (_spin_row(robot, i, headings) - _spin_row(robot, k, headings))[None, :] for i, k in geared(robot)
-    ]
+    for i, k in geared(robot):
+        rows.append((spin_row(robot, i, headings) - spin_row(robot, k, headings))[None, :])
     return np.vstack([constant, *rows])
 
 
 def _steering(robot: Robot, twist: Array) -> dict[int, complex]:
-    """The headings of all steered wheels that let them roll under ``twist``, coupled ones together.
+    """Return the headings at which all steered wheels roll under ``twist``, by wheel index.
 
-    Wheels that turn alike roll the same way round.
+    Wheels with coupled steering have one angle, and wheels with coupled spins roll in the same direction.
     """
     headings: dict[int, complex] = {}
     for members in robot.together("steer", (w for w in robot.wheels if w.kind.steers)):
@@ -187,22 +184,32 @@ def _steering(robot: Robot, twist: Array) -> dict[int, complex]:
         for w in members:
             own = joint if w.steer_sign == fastest.steer_sign else joint.conjugate()
             headings[w.index] = steering_for(w, twist) if w is fastest else own * w.zero_heading
-    pairs, lead, settled = geared(robot), robot.steer_group, set[int]()
-    while pairs:  # from wheels that do not steer along the chains, so that no set of wheels turns about twice
+    # Decide forwards or backwards along the chains of coupled spins, starting at wheels that do not steer, so that no
+    # set of wheels is reversed twice.
+    pairs, lead, decided = geared(robot), robot.steer_group, set[int]()
+    while pairs:
         i, k = next(
-            (p for p in pairs if p[0] not in headings or settled & {lead[p[0]], lead[p[1]]}), pairs[0]
+            (p for p in pairs if p[0] not in headings or decided & {lead[p[0]], lead[p[1]]}), pairs[0]
         )
         pairs.remove((i, k))
-        if _spin_row(robot, i, headings) @ twist * (_spin_row(robot, k, headings) @ twist) < 0:
-            turned = lead[i] if lead[k] in settled else lead[k]
-            headings |= {j: -e for j, e in headings.items() if lead[j] == turned}
-        settled |= {lead[i], lead[k]}
+        if spin_row(robot, i, headings) @ twist * (spin_row(robot, k, headings) @ twist) < 0:
+            reversed_set = lead[i] if lead[k] in decided else lead[k]
+            headings |= {j: -e for j, e in headings.items() if lead[j] == reversed_set}
+        decided |= {lead[i], lead[k]}
     return dict(sorted(headings.items()))
 
 
-def _spin_row(robot: Robot, i: int, headings: dict[int, complex]) -> Array:
-    """The row that gives the spin [rad/s] of a twist, of the first wheel coupled to it; ``headings``: of steered
-    wheels."""
+def spin_row(robot: Robot, i: int, headings: dict[int, complex]) -> Array:
+    """Return the row of a wheel's spin on the twist, as the spin of the first wheel that it is coupled to.
+
+    Args:
+        robot: The robot.
+        i: The index of the wheel.
+        headings: The headings of steered wheels by index, points of the unit circle.
+
+    Returns:
+        The row, shape (3,): its product with the twist is a spin [rad/s].
+    """
     w = robot.wheels[i]
     g = w.nominal
     direction = headings[i] if i in headings else w.zero_heading * complex(float(g.cg), float(g.sg))
@@ -212,7 +219,11 @@ def _spin_row(robot: Robot, i: int, headings: dict[int, complex]) -> Array:
 def _rank_C1(
     robot: Robot, numbers: list[ExactRow], every: list[ExactRow], picked: Admissible
 ) -> tuple[Rank, Array]:
-    """Rank of C1 on the admissible set, with the float rows it was decided on; singular values of ``every`` row."""
+    """Return the rank of C1 at the sample of the admissible twists, and its rows.
+
+    The rank is determined with ``numbers``, the independent constant rows. The reported singular values are those of
+    all rows, with ``every`` constant row.
+    """
     at = _rows_at(robot, picked.sample, to_array(numbers))
     value, _ = numeric_rank(unit_rows(at))
     _, singular = numeric_rank(unit_rows(_rows_at(robot, picked.sample, to_array(every))))
@@ -221,11 +232,13 @@ def _rank_C1(
 
 
 def _exact_rank(robot: Robot, numbers: list[ExactRow]) -> int:
-    """The exact rank at generic exact twists of null(C0)."""
+    """Return the largest exact rank of C1 at generic exact twists in the null space of the constant rows."""
     basis = null_space(numbers or [(ZERO, ZERO, ZERO)], 3)
     best = 0
     for weights in _WEIGHTS:
-        twist = [sum((b[k] * weights[i] for i, b in enumerate(basis)), ZERO) for k in range(3)]
+        twist = [ZERO, ZERO, ZERO]
+        for weight, vector in zip(weights, basis, strict=False):  # the basis may be smaller
+            twist = [t + v * weight for t, v in zip(twist, vector, strict=True)]
         rows: list[ExactRow] = list(numbers)
         for w in robot.wheels:
             if w.kind.steers:

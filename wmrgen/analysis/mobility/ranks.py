@@ -1,8 +1,8 @@
-"""The numbers behind the degrees: a robot in a unit of its own, ranks, null spaces, the Lie algebra of twists.
+"""Ranks, null spaces and the Lie algebra of twists, in a frame and a unit of length that fit the robot.
 
-Ranks are decided at a tolerance relative to rows of wheels that stand about one unit from the origin: degrees must
-depend neither on the unit of length of the file nor on where P lies. With the centre c and the length L the twist
-(v, omega) of P becomes (v + omega z x c, L omega), all of it in m/s.
+The degrees of a robot must not depend on the unit of length in the file or on the position of P. Ranks are therefore
+determined in a frame whose origin is near the centre of the wheels, and in a unit that is about as large as the robot.
+With the centre c and the unit L, the twist (v, omega) of P becomes (v + omega z x c, L omega), all in m/s.
 """
 
 from __future__ import annotations
@@ -26,54 +26,53 @@ from wmrgen.geometry.layout.records import Robot
 
 T = TypeVar("T", Poly, Exact)
 Angles = Callable[[str], tuple[Exact, Exact]]  # wheel -> cosine and sine of its steering angle
-NEAR = 32  # units: the centre lies on a grid this wide, so that it is P of a robot that stands about P
-GRID = 1e12  # singular values are kept to this fraction of the largest
-_SPAN_TOLERANCE = 1e-8
-_PRIME = (
-    1009  # generic angles have tan(angle/2) in parts of it: no triangle of lengths that people write has them
+NEAR = 32  # units: spacing of a grid for the centre, so that the centre is P unless P is far from the wheels
+GRID = (
+    1e12  # singular values are rounded to the largest one divided by this, so that the last bits do not show
 )
+_SPAN_TOLERANCE = 1e-8  # relative to the largest singular value: above the rounding of repeated brackets
+# Generic angles have tan(angle/2) = k/1009, which no lengths that people write give by chance.
+_PRIME = 1009
 
 
 class Unit(NamedTuple):
-    """``centre`` [m] and ``length`` [m]."""
+    """A frame and a unit of length."""
 
-    centre: tuple[Fraction, Fraction]
-    length: Fraction
+    centre: tuple[Fraction, Fraction]  # origin of the frame [m]
+    length: Fraction  # unit of length [m]
 
     def robot(self, robot: Robot) -> Robot:
-        """The robot with its nominal geometry in this unit."""
-        return replace(
-            robot,
-            wheels=tuple(
-                replace(w, nominal=w.nominal.seen_from(*self.centre, self.length)) for w in robot.wheels
-            ),
-        )
+        """Return the robot with its nominal geometry in this unit."""
+        wheels = []
+        for w in robot.wheels:
+            wheels.append(replace(w, nominal=w.nominal.seen_from(*self.centre, self.length)))
+        return replace(robot, wheels=tuple(wheels))
 
     def view(self, view: View) -> View:
-        """A view of a robot in metres, in this unit."""
+        """Return a view of a robot in metres as a view in this unit."""
         return lambda wheel: view(wheel).seen_from(*self.centre, self.length)
 
     def twists(self, rows: Array) -> Array:
-        """Twists of P in SI units, from rows (or one row) in this unit."""
+        """Convert twists in this unit to twists of P in SI units; the last axis has the three components."""
         omega = rows[..., 2] / float(self.length)
         x, y = (float(v) for v in self.centre)
         return np.stack([rows[..., 0] + y * omega, rows[..., 1] - x * omega, omega], axis=-1)
 
     def own_row(self, row: Row) -> Row:
-        """A row on twists in this unit, from one on twists of P in SI units."""
+        """Convert a row on twists of P in SI units to a row on twists in this unit."""
         a, b, k = row
         x, y = self.centre
         return a, b, (k - b.scale(x) + a.scale(y)).scale(1 / self.length)
 
     def row(self, row: Row) -> Row:
-        """A row on twists of P in SI units, from one on twists in this unit."""
+        """Convert a row on twists in this unit to a row on twists of P in SI units."""
         a, b, k = row
         x, y = self.centre
         return a, b, k.scale(self.length) + b.scale(x) - a.scale(y)
 
 
 def unit_of(robot: Robot) -> Unit:
-    """Millimetre, metre or kilometre, whichever is nearest to the reach of the wheels about their middle."""
+    """Return the unit of a robot: millimetre, metre or kilometre, whichever is closest to its size."""
     places = np.array([(float(w.nominal.x), float(w.nominal.y)) for w in robot.wheels])
     middle = places.mean(axis=0)
     reach = max(hypot(float(x), float(y)) for x, y in places - middle)
@@ -84,12 +83,12 @@ def unit_of(robot: Robot) -> Unit:
 
 
 def straight(_: str) -> tuple[Exact, Exact]:
-    """Every steering angle zero."""
+    """Return (cos, sin) of a steering angle of zero, for any wheel."""
     return Exact(1), Exact(0)
 
 
 def generic(robot: Robot) -> Angles:
-    """Different angles for different wheels."""
+    """Return generic steering angles, different for each wheel."""
     names = [w.name for w in robot.wheels] + [v.name for v in robot.virtual]
     place = {name: k for k, name in enumerate(names, 1)}
 
@@ -100,7 +99,16 @@ def generic(robot: Robot) -> Angles:
 
 
 def nominal_at(poly: Poly, robot: Robot, angles: Angles) -> float:
-    """The value at nominal parameters and these steering angles."""
+    """Return the value of a polynomial at nominal parameters and given steering angles.
+
+    Args:
+        poly: A polynomial in parameters and in cosines and sines of steering angles.
+        robot: The robot, for the nominal parameters.
+        angles: Returns cosine and sine of the steering angle of a wheel.
+
+    Returns:
+        The value.
+    """
 
     def value(gen: Gen) -> Poly | None:
         if gen.kind in ("cos", "sin"):
@@ -113,30 +121,29 @@ def nominal_at(poly: Poly, robot: Robot, angles: Angles) -> float:
 
 
 def to_array(rows: Sequence[Sequence[Exact]]) -> Array:
-    """Rows of exact numbers as an (N, 3) array; N may be 0."""
+    """Return rows of exact numbers as an (N, 3) array; N may be 0."""
     return np.array([[float(v) for v in row] for row in rows], dtype=np.float64).reshape(-1, 3)
 
 
 def unit_rows(rows: Array) -> Array:
-    """Each row scaled to a unit direction part, so that every row is a speed; pure rotation rows to 1."""
+    """Scale each row to a direction of unit length, so that every row is a speed; rows of pure rotation to 1."""
     size = np.hypot(rows[:, 0], rows[:, 1])
     size = np.where(size > TOLERANCE * np.abs(rows[:, 2]), size, np.abs(rows[:, 2]))
     return np.asarray(rows / np.where(size > 0, size, 1.0)[:, None])
 
 
 def numeric_rank(rows: Array) -> tuple[int, tuple[float, ...]]:
-    """Rank at TOLERANCE, and the singular values."""
+    """Return the rank at TOLERANCE, and the singular values rounded for printing."""
     singular = singular_values(rows)
     top = singular[0] if singular else 0.0
     rank = sum(s > TOLERANCE * top for s in singular)
-    # What is printed must not depend on how the last bit was rounded.
     return rank, tuple(round(s / top * GRID) / GRID * top if top else 0.0 for s in singular)
 
 
 def singular_values(rows: Array) -> list[float]:
-    """Singular values of an (N, 3) array, largest first, by one-sided Jacobi rotations.
+    """Return the singular values of an (N, 3) array, largest first, by one-sided Jacobi rotations.
 
-    Plain arithmetic, the same bits on every machine, and accurate for small values too.
+    This is plain arithmetic, so it gives the same bits on every machine. It is accurate for small values too.
     """
     columns = [[float(v) for v in column] for column in rows.T]
     for _ in range(12):
@@ -163,13 +170,13 @@ def _product(a: Sequence[float], b: Sequence[float]) -> float:
 
 
 def decide(rows: Sequence[Sequence[Exact]]) -> Rank:
-    """Both ranks of rows of exact numbers."""
+    """Return the numerical and the exact rank of rows of exact numbers."""
     value, singular = numeric_rank(unit_rows(to_array(rows)))
     return Rank(value, exact_rank(rows) if rows else 0, singular)
 
 
 def independent(rows: Array, wanted: int) -> list[int]:
-    """Indices of ``wanted`` rows that span, taken in order as long as each is clearly new."""
+    """Return the indices of ``wanted`` independent rows, preferring early rows that are clearly independent."""
     chosen: list[int] = []
     for threshold in (1e-3, 1e-6, TOLERANCE):
         for i in range(len(rows)):
@@ -184,7 +191,7 @@ def independent(rows: Array, wanted: int) -> list[int]:
 
 
 def null_basis(rows: Array) -> Array:
-    """Orthonormal rows spanning {xi: rows xi = 0} at TOLERANCE, the same on every machine."""
+    """Return orthonormal rows that span {xi: rows xi = 0} at TOLERANCE, with the same bits on every machine."""
     rank, _ = numeric_rank(rows)
     picked = rows[independent(rows, rank)]
     if rank == 0:
@@ -194,10 +201,8 @@ def null_basis(rows: Array) -> Array:
     if rank == 2:
         return _unit(np.cross(picked[0], picked[1]))[None, :]
     first = _unit(picked[0])
-    along = (
-        np.array([first[1], -first[0], 0.0]) if abs(first[2]) < 1 - TOLERANCE else np.array([1.0, 0.0, 0.0])
-    )
-    along = _unit(along)
+    rotation_only = abs(first[2]) >= 1 - TOLERANCE
+    along = _unit(np.array([1.0, 0.0, 0.0] if rotation_only else [first[1], -first[0], 0.0]))
     return np.array([along, np.cross(first, along)])
 
 
@@ -206,12 +211,12 @@ def _unit(v: Array) -> Array:
 
 
 def bracket(a: Array, b: Array) -> Array:
-    """The Lie bracket of two twists in se(2)."""
+    """Return the Lie bracket of two twists in se(2)."""
     return np.array([-a[2] * b[1] + b[2] * a[1], a[2] * b[0] - b[2] * a[0], 0.0])
 
 
 def span(rows: Array) -> Array:
-    """Orthonormal rows of the span."""
+    """Return orthonormal rows with the same span."""
     if not rows.size:
         return np.zeros((0, 3))
     _, singular, vt = np.linalg.svd(rows, full_matrices=False)
@@ -219,14 +224,15 @@ def span(rows: Array) -> Array:
 
 
 def grown(inputs: Array, reached: Array) -> Array:
-    """The span of ``reached`` and of its brackets with ``inputs``."""
+    """Return the span of ``reached`` and of its brackets with ``inputs``."""
     brackets = [bracket(a, b) for a in inputs for b in reached]
     return span(np.vstack([reached, *brackets])) if brackets else reached
 
 
 def closure(twists: Array) -> int:
-    """The dimension of the Lie algebra generated by the rows of ``twists``."""
+    """Return the dimension of the Lie algebra that the rows of ``twists`` generate."""
     reached = span(twists)
-    while len(larger := grown(reached, reached)) > len(reached):
-        reached = larger
+    larger = grown(reached, reached)
+    while len(larger) > len(reached):
+        reached, larger = larger, grown(larger, larger)
     return len(reached)

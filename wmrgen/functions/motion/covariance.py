@@ -31,7 +31,6 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.analysis.kinematics.forward import forward, nominal_rank
-from wmrgen.analysis.kinematics.gyro import YawRate
 from wmrgen.analysis.kinematics.least_squares import Matrix, named_normal, normal_equations, pseudo_inverse
 from wmrgen.analysis.kinematics.pose import increments, wrapped
 from wmrgen.analysis.kinematics.records import Formula, Locals, signal_poly, slip_port, tunable_ports
@@ -41,6 +40,7 @@ from wmrgen.analysis.kinematics.sensing import (
     Component,
     Contact,
     Measurements,
+    YawRate,
     adjugate,
     generic_rank,
     measurements,

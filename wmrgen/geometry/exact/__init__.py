@@ -1,4 +1,4 @@
-"""Exact arithmetic: numbers of Q(sqrt2, sqrt3), polynomials over them, angles with exact sines."""
+"""Exact arithmetic: numbers of the field Q(sqrt2, sqrt3), polynomials over it, and angles with exact sines."""
 
 from wmrgen.geometry.exact.number import Exact
 

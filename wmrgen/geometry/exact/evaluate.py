@@ -1,8 +1,8 @@
-"""Functions of polynomials, and the numbers that polynomials are worth when parameters have their values.
+"""Functions of polynomials, and the values of polynomials for given parameter values.
 
-A sine or a root is exact where it can be. The sine of a multiple of pi/12 lies in Q(sqrt2, sqrt3). Any other angle
-that is a number becomes a rational point of the unit circle through the half-angle parametrisation, so that
-c**2 + s**2 = 1 holds exactly; any other root, direction or tangent has 40 digits.
+Sines and roots are exact if possible: the sine of a multiple of pi/12 is in Q(sqrt2, sqrt3). Any other angle that is
+a number becomes a rational point of the unit circle by the half-angle parametrisation, so that c**2 + s**2 = 1 holds
+exactly. Any other root, direction or tangent is rounded to 40 digits.
 """
 
 from __future__ import annotations
@@ -16,28 +16,32 @@ import mpmath
 from wmrgen.geometry.exact.number import ONE, SQRT2, SQRT3, ZERO, Exact, exact_sqrt
 from wmrgen.geometry.exact.poly import Gen, Poly
 
-PRECISION = 60
+PRECISION = 60  # decimal digits of mpmath, 20 more than a result keeps
 _SQRT6 = SQRT2 * SQRT3
 _SIN = (  # of k pi/12, k = 0..6
     ZERO, (_SQRT6 - SQRT2) / 4, ONE / 2, SQRT2 / 2, SQRT3 / 2, (_SQRT6 + SQRT2) / 4, ONE,
 )  # fmt: skip
-_DIGITS = 40
-_HALF_ANGLE_DIGITS = 20  # two of them multiply to the 40 digits of the point
-_TIMES = range(-4, 5)  # multiples of an angle for which the addition theorem is worth its terms
-_ROUNDED = 1e-18  # a difference of rounded numbers that is smaller, relative to them, is zero; a root halves the digits
+_DIGITS = 40  # significant decimal digits of roots, directions and tangents that are not in the field
+_HALF_ANGLE_DIGITS = 20  # digits of tan(angle/2): cosine and sine are quadratic in it, so they have 40
+# Multiples of an angle that the addition theorem expands; more would give too many terms.
+_TIMES = range(-4, 5)
+_ROUNDED = 1e-18  # relative: a smaller difference of rounded numbers is 0; a root halves the 40 digits
 
 _TANGENTS = {Fraction(k, 12): _SIN[k] / _SIN[6 - k] for k in range(6)}
-_TANGENTS |= {Fraction(1, 8): SQRT2 - 1, Fraction(3, 8): SQRT2 + 1}  # of q pi, as far as the field has them
+_TANGENTS |= {
+    Fraction(1, 8): SQRT2 - 1,
+    Fraction(3, 8): SQRT2 + 1,
+}  # q -> tan(q pi), where it is in the field
 _DIRECTIONS = {t * sign: q * sign for q, t in _TANGENTS.items() for sign in (1, -1)}
 _PI_SIZE = (
     10**30
-)  # denominators of multiples of pi are larger, those of what they are multiplied with smaller
+)  # separates multiples of the 60-digit pi, whose denominators are larger, from ordinary numbers
 
 CosSin = tuple[Poly, Poly]
 
 
 def twelfths(k: int) -> tuple[Exact, Exact]:
-    """(cos, sin) of k pi/12, exactly."""
+    """Return (cos, sin) of k pi/12, exactly."""
 
     def sine(j: int) -> Exact:
         j %= 24
@@ -49,9 +53,9 @@ def twelfths(k: int) -> tuple[Exact, Exact]:
 
 
 def direction_over_pi(y: Exact, x: Exact) -> Fraction | None:
-    """q where the vector (x, y) points along q pi, -1 < q <= 1, for multiples of 1/12 and odd ones of 1/8.
+    """Return q, -1 < q <= 1, if the vector (x, y) points along q pi and q is a multiple of 1/12 or an odd one of 1/8.
 
-    None of another direction, and of no vector.
+    Return None for any other direction, and for the zero vector.
     """
     if not x:
         return Fraction(y.sign, 2) if y else None
@@ -63,39 +67,42 @@ def direction_over_pi(y: Exact, x: Exact) -> Fraction | None:
 
 @cache
 def pi_rational() -> Fraction:
-    """pi to 60 digits."""
+    """Return pi to 60 digits."""
     with mpmath.workdps(PRECISION + 5):
         return to_fraction(mpmath.pi)
 
 
 def over_pi(value: Exact) -> Fraction | None:
-    """q where ``value`` is q times `pi_rational`: numbers that were written with pi or in degrees, and their sums."""
+    """Return q if ``value`` is q times `pi_rational`, else None.
+
+    Such values come from numbers that were written with pi or in degrees, and from their sums.
+    """
     if value.den < _PI_SIZE and value:
-        return None  # nearly every number that occurs
+        return None  # the usual case
     q = value.parts[0] / pi_rational() if value.is_rational else None
     return q if q is not None and q.denominator < _PI_SIZE else None
 
 
 def to_fraction(value: mpmath.mpf) -> Fraction:
-    """The exact value of an mpf."""
+    """Return the exact value of an mpf."""
     sign, man, exp, _ = mpmath.mpf(value)._mpf_
     f = Fraction(int(man)) * Fraction(2) ** int(exp)
     return -f if sign else f
 
 
 def to_mpf(value: Fraction) -> mpmath.mpf:
-    """A fraction at the working precision."""
+    """Return a fraction at the current mpmath precision."""
     return mpmath.mpf(value.numerator) / value.denominator
 
 
 def circle(half: Fraction) -> tuple[Exact, Exact]:
-    """(cos, sin) of the angle with this tangent of its half."""
+    """Return (cos, sin) of the angle whose half has the tangent ``half``."""
     square = half * half
     return Exact((1 - square) / (1 + square)), Exact(2 * half / (1 + square))
 
 
 def circle_point(angle: Fraction) -> tuple[Exact, Exact]:
-    """(cos, sin) of ``angle`` [rad] within 1e-19, as a rational point of the unit circle."""
+    """Return (cos, sin) of ``angle`` [rad] within 1e-19, as a rational point of the unit circle."""
     with mpmath.workdps(PRECISION):
         a = to_mpf(angle)
         quarter = int(mpmath.nint(a / (mpmath.pi / 2)))
@@ -108,12 +115,12 @@ def circle_point(angle: Fraction) -> tuple[Exact, Exact]:
 
 
 def add_angles(a: CosSin, b: CosSin) -> CosSin:
-    """(cos, sin) of a sum."""
+    """Return (cos, sin) of the sum of two angles."""
     return a[0] * b[0] - a[1] * b[1], a[1] * b[0] + a[0] * b[1]
 
 
 def pi_multiple(angle: Poly) -> Fraction | None:
-    """q when the angle is exactly q pi, else None."""
+    """Return q if the angle is exactly q pi, else None."""
     if not angle:
         return Fraction(0)
     if len(angle.terms) != 1:
@@ -124,7 +131,7 @@ def pi_multiple(angle: Poly) -> Fraction | None:
 
 
 def cos_sin(angle: Poly) -> CosSin:
-    """(cos, sin) of an angle [rad] given as a polynomial in pi, numbers, parameters and functions of them."""
+    """Return (cos, sin) of an angle [rad], a polynomial in pi, numbers, parameters and functions of them."""
     number, turns = Fraction(0), Fraction(0)
     rest = Poly({})
     result: CosSin = (Poly.of(1), Poly.of(0))
@@ -157,7 +164,7 @@ def _constant(point: tuple[Exact, Exact]) -> CosSin:
 
 
 def _base(gen: Gen) -> CosSin:
-    """(cos, sin) of a parameter or of a direction."""
+    """Return (cos, sin) of a parameter or of a direction, atan2(y, x)."""
     if gen.kind == "param":
         return Poly.gen("cosf", "", gen.alone), Poly.gen("sinf", "", gen.alone)
     y, x = gen.args
@@ -166,20 +173,29 @@ def _base(gen: Gen) -> CosSin:
 
 
 def multiple(base: CosSin, k: int) -> CosSin:
-    """(cos, sin) of k times an angle."""
+    """Return (cos, sin) of k times the angle whose (cos, sin) is ``base``."""
     step: CosSin = base if k > 0 else (base[0], -base[1])
     return reduce(add_angles, [step] * abs(k), (Poly.of(1), Poly.of(0)))
 
 
 def sqrt_poly(value: Poly) -> Poly:
-    """sqrt of a polynomial: in the field where possible, else the generator sqrt(value)."""
+    """Return the square root of a polynomial: a number of the field if possible, else the generator sqrt(value)."""
     number = value.constant
     root = None if number is None else exact_sqrt(number)
     return Poly.gen("sqrt", "", value) if root is None else Poly.of(root)
 
 
 def function(kind: str, name: str, args: tuple[Poly, ...]) -> Poly:
-    """A function of polynomials, in the simplest form that is exact."""
+    """Return a function of polynomials in its simplest exact form.
+
+    Args:
+        kind: The kind of the generator, see `Gen`.
+        name: The name of the generator; "" for the usual functions.
+        args: The arguments of the function.
+
+    Returns:
+        A polynomial: a number if the function has an exact value, else one with the generator.
+    """
     match kind:
         case "inv":
             return args[0].inverse()
@@ -193,7 +209,7 @@ def function(kind: str, name: str, args: tuple[Poly, ...]) -> Poly:
 
 
 def parameters_in(poly: Poly) -> frozenset[str]:
-    """Names of the parameters that occur, inside functions too."""
+    """Return the names of the parameters that occur, inside functions too."""
     names: set[str] = set()
     for gen in poly.generators:
         names |= {gen.name} if gen.kind == "param" else set()
@@ -203,7 +219,7 @@ def parameters_in(poly: Poly) -> frozenset[str]:
 
 
 def substituted(poly: Poly, values: Mapping[str, Poly]) -> Poly:
-    """``poly`` with the parameters in ``values`` replaced, inside functions too; pi and numbers stay exact."""
+    """Return ``poly`` with the parameters in ``values`` replaced, inside functions too; pi remains a symbol."""
 
     def value(gen: Gen) -> Poly | None:
         if gen.kind == "param":
@@ -216,9 +232,9 @@ def substituted(poly: Poly, values: Mapping[str, Poly]) -> Poly:
 
 
 def fix(poly: Poly, values: Mapping[str, Poly]) -> Poly:
-    """``poly`` with the parameters in ``values`` replaced and every function of numbers evaluated.
+    """Return ``poly`` with the parameters in ``values`` replaced and every function of numbers evaluated.
 
-    Parameters that are not in ``values`` (the tunable ones) and joint angles stay.
+    Parameters that are not in ``values`` (the tunable ones) and joint angles remain symbols.
     """
 
     def value(gen: Gen) -> Poly | None:
@@ -233,7 +249,8 @@ def fix(poly: Poly, values: Mapping[str, Poly]) -> Poly:
             return function(gen.kind, "", (angle_value(gen.args[0], values),))
         args = tuple(fix(a, values) for a in gen.args)
         result = function(gen.kind, gen.name, args)
-        numbers = [n for a in args if (n := a.constant) is not None]
+        constants = [a.constant for a in args]
+        numbers = [n for n in constants if n is not None]
         if result.constant is not None or len(numbers) < len(args):
             return result
         return Poly.of(_function_value(gen, tuple(n.rational() for n in numbers)))
@@ -249,16 +266,16 @@ def _function_value(gen: Gen, args: tuple[Fraction, ...]) -> Exact:
             case "sqrt" if values[0] < 0:
                 raise ValueError("square root of a negative number")
             case "sqrt":
-                return _rounded(mpmath.sqrt(values[0]))
+                return rounded(mpmath.sqrt(values[0]))
             case "atan2":
-                return _rounded(mpmath.atan2(*values))
+                return rounded(mpmath.atan2(*values))
             case "tan":
-                return _rounded(mpmath.tan(values[0]))
+                return rounded(mpmath.tan(values[0]))
     raise ValueError(f"no value for {gen.kind}")
 
 
-def _rounded(value: mpmath.mpf) -> Exact:
-    """A real number as a 40-digit fraction."""
+def rounded(value: mpmath.mpf) -> Exact:
+    """Return a real number rounded to a fraction of 40 digits."""
     with mpmath.workdps(PRECISION):
         if not value:
             return ZERO
@@ -267,7 +284,10 @@ def _rounded(value: mpmath.mpf) -> Exact:
 
 
 def _cancels(poly: Poly, result: Poly, value: Callable[[Gen], Poly | None]) -> bool:
-    """Whether a number is what rounded roots leave of zero: sqrt(3 + 2*sqrt(2)) - 1 - sqrt(2)."""
+    """Return whether a value is zero up to the rounding of its roots, as in sqrt(3 + 2*sqrt(2)) - 1 - sqrt(2).
+
+    ``result`` is the value of ``poly`` with the generators replaced by ``value``.
+    """
     total = result.constant
     if not total or len(poly.terms) < 2 or not any(g.args for g in poly.generators):
         return False
@@ -276,18 +296,18 @@ def _cancels(poly: Poly, result: Poly, value: Callable[[Gen], Poly | None]) -> b
 
 
 def angle_value(angle: Poly, values: Mapping[str, Poly]) -> Poly:
-    """An angle with the parameters in ``values`` replaced and pi kept, so that its sine can be exact."""
+    """Return an angle with the parameters in ``values`` replaced; pi remains a symbol, so its sine can be exact."""
 
     def parameter(gen: Gen) -> Poly | None:
         own = values.get(gen.name) if gen.kind == "param" else None
         return None if own is None else angle_value(own, values)
 
-    # Functions come last: the quotient by a parameter that holds pi is one of them.
+    # Functions come last, because a quotient by a parameter that contains pi is a function.
     return angle.substitute(parameter).substitute(lambda gen: fix(gen.alone, values) if gen.args else None)
 
 
 def number(poly: Poly, values: Mapping[str, Poly]) -> Exact:
-    """The number that ``poly`` is worth. ValueError when something stays unknown."""
+    """Return the value of ``poly`` for these parameter values. Raise ValueError if a symbol remains."""
     value = fix(poly, values).constant
     if value is None:
         raise ValueError(f"not a number: {poly.key}")

@@ -1,7 +1,7 @@
-"""Intervals over arrays of boxes, rounded outward: the exact result always lies inside.
+"""Interval arithmetic over arrays of boxes, rounded outward: an interval always contains the exact result.
 
 An interval is a pair (lo, hi) of float64 arrays of one shape; entry k is the interval on box k. Each bound is
-computed to nearest and moved outward by one unit in the last place, or by `_WIDE` for library functions.
+rounded to nearest and then moved outward by one unit in the last place, or by `_WIDE` for library functions.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from numpy.typing import NDArray
 Array: TypeAlias = NDArray[np.float64]
 Interval: TypeAlias = tuple[Array, Array]
 
-GROW = 1 + 1e-9  # covers the rounding of sums of bounds
-_WIDE = 1e-15  # sines, cosines and arctangents of NumPy are off by less
-_MANY = 128
+GROW = 1 + 1e-9  # factor that covers the rounding of sums of bounds
+_WIDE = 1e-15  # larger than the error of NumPy's sines, cosines and arctangents [rad or 1]
+_MANY = 128  # boxes: above this number, products are faster than nextafter
 _ULP, _TINY, _HUGE = 2.0**-52, 1e-300, 1e300  # a unit in the last place of x is at most _ULP |x| + _TINY
 _HALF_PI = np.pi / 2
-_SLACK = 1e-9  # a turning point this close to an end counts as inside
+_SLACK = 1e-9  # relative: an extremum of a sine this close to an end is treated as inside
 
 
 def outward(lo: Array, hi: Array) -> Interval:
-    """One unit in the last place wider on either side; of many boxes a little more, which takes less time."""
+    """Return the interval widened by one unit in the last place on either side, or slightly more for many boxes."""
     if lo.size > _MANY:
         below, above = np.minimum(np.abs(lo), _HUGE), np.minimum(np.abs(hi), _HUGE)
         return lo - (below * _ULP + _TINY), hi + (above * _ULP + _TINY)
@@ -32,17 +32,17 @@ def outward(lo: Array, hi: Array) -> Interval:
 
 
 def widened(a: Interval, by: Array) -> Interval:
-    """``a`` with ``by`` >= 0 more on either side."""
+    """Return ``a`` widened by ``by`` >= 0 on either side."""
     return outward(a[0] - by, a[1] + by)
 
 
 def magnitude(a: Interval) -> Array:
-    """Largest absolute value."""
+    """Return the largest absolute value."""
     return np.maximum(-a[0], a[1])
 
 
 def smallest(a: Interval) -> Array:
-    """Least absolute value: 0 where the interval holds 0."""
+    """Return the least absolute value, which is 0 if the interval contains 0."""
     return np.maximum(np.maximum(a[0], -a[1]), 0.0)
 
 
@@ -55,12 +55,12 @@ def hull(a: Interval, b: Interval) -> Interval:
 
 
 def either_sign(a: Interval, _: Interval) -> Interval:
-    """``a`` or -``a``, whatever decides."""
+    """Return an interval that contains ``a`` and -``a``, whatever decides the sign."""
     return hull(a, negative(a))
 
 
 def meet(a: Interval, b: Interval) -> Interval:
-    """Intersection; where it is empty (the case cannot occur) the nearer end of ``a``."""
+    """Return the intersection; if it is empty, which should not occur, the nearer end of ``a``."""
     lo, hi = np.maximum(a[0], b[0]), np.minimum(a[1], b[1])
     empty = lo > hi
     return np.where(empty, np.minimum(lo, a[1]), lo), np.where(empty, np.minimum(lo, a[1]), hi)
@@ -79,7 +79,7 @@ def minus(a: Interval, b: Interval) -> Interval:
 
 
 def times(a: Interval, b: Interval) -> Interval:
-    """Product; ``a`` may have a leading axis more than ``b``. 0 times infinity is 0."""
+    """Return the product. ``a`` may have one more leading axis than ``b``; 0 times infinity is 0."""
     p, q, r, s = a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]
     return outward(np.fmin(np.fmin(p, q), np.fmin(r, s)), np.fmax(np.fmax(p, q), np.fmax(r, s)))
 
@@ -91,7 +91,7 @@ def square(a: Interval) -> Interval:
 
 
 def reciprocal(b: Interval) -> Interval:
-    """1/b; everything where ``b`` holds 0."""
+    """Return 1/b; all numbers if ``b`` contains 0."""
     bad = (b[0] <= 0) & (b[1] >= 0)
     safe_lo, safe_hi = np.where(bad, 1.0, b[0]), np.where(bad, 1.0, b[1])
     lo, hi = outward(1.0 / safe_hi, 1.0 / safe_lo)
@@ -99,7 +99,7 @@ def reciprocal(b: Interval) -> Interval:
 
 
 def quotient(a: Interval, b: Interval) -> Interval:
-    """a/b; everything where ``b`` holds 0."""
+    """Return a/b; all numbers if ``b`` contains 0."""
     value = times(a, reciprocal(b))
     bad = (b[0] <= 0) & (b[1] >= 0)
     return np.where(bad, -np.inf, value[0]), np.where(bad, np.inf, value[1])
@@ -114,7 +114,17 @@ def larger(a: Interval, b: Interval) -> Interval:
 
 
 def chosen(small: Interval, large: Interval, first: Interval, second: Interval) -> Interval:
-    """``first`` where small < large everywhere, ``second`` where nowhere, else what holds both."""
+    """Return the interval of "``first`` if small < large, else ``second``".
+
+    Args:
+        small: The left side of the comparison, shape (boxes,).
+        large: The right side of the comparison, shape (boxes,).
+        first: The value if the comparison holds.
+        second: The value if it does not.
+
+    Returns:
+        ``first`` or ``second`` on boxes where the comparison is decided, else the hull of both.
+    """
     always, never = small[1] < large[0], small[0] >= large[1]
     lo, hi = hull(first, second)
     return (
@@ -124,20 +134,20 @@ def chosen(small: Interval, large: Interval, first: Interval, second: Interval) 
 
 
 def root(a: Interval) -> Interval:
-    """Square root of the part that is not negative."""
+    """Return the square root, with negative parts of ``a`` treated as 0."""
     lo, hi = outward(np.sqrt(np.maximum(a[0], 0.0)), np.sqrt(np.maximum(a[1], 0.0)))
     return np.maximum(lo, 0.0), hi
 
 
 def _holds(a: Interval, point: float) -> NDArray[np.bool_]:
-    """Whether point + 2 pi k lies in ``a`` for a whole k; in doubt yes."""
+    """Return whether ``a`` contains point + 2 pi k for an integer k; true in doubt."""
     slack = _SLACK * (1.0 + magnitude(a))
     turns = np.ceil((a[0] - slack - point) / (2 * np.pi))
     return np.asarray(point + 2 * np.pi * turns <= a[1] + slack)
 
 
 def _wave(a: Interval, function: Callable[[Array], Array], top: float) -> Interval:
-    """Sine or cosine, which is greatest at ``top``."""
+    """Return the interval of a sine or cosine, whose maximum is at ``top`` [rad]."""
     finite = np.isfinite(a[0]) & np.isfinite(a[1])
     p, q = function(np.where(finite, a[0], 0.0)), function(np.where(finite, a[1], 0.0))
     hi = np.where(_holds(a, top) | ~finite, 1.0, np.minimum(np.maximum(p, q) + _WIDE, 1.0))
@@ -154,18 +164,18 @@ def cosine(a: Interval) -> Interval:
 
 
 def slope_angle(a: Interval) -> Interval:
-    """The arctangent of a slope."""
+    """Return the arctangent of a slope [rad]."""
     return widened((np.arctan(a[0]), np.arctan(a[1])), np.full_like(a[0], _WIDE))
 
 
 def whole(a: Interval) -> Interval:
-    """The nearest whole numbers."""
+    """Return the interval rounded to the nearest integers."""
     return np.rint(a[0]), np.rint(a[1])
 
 
 def arctangent(y: Interval, x: Interval) -> Interval:
-    """Angle of (x, y): of the box where x >= 0, else every angle."""
-    x = x[0] + 0.0, x[1] + 0.0  # no negative zeros: they are on the other side
+    """Return the angle atan2(y, x) [rad]; every angle on boxes where x may be negative."""
+    x = x[0] + 0.0, x[1] + 0.0  # turns -0.0 into 0.0, because atan2 distinguishes them
     right = x[0] >= 0
     above = np.arctan2(y[1], np.where(y[1] > 0, x[0], x[1]))
     below = np.arctan2(y[0], np.where(y[0] < 0, x[0], x[1]))
@@ -173,11 +183,11 @@ def arctangent(y: Interval, x: Interval) -> Interval:
     return np.where(right, below, -np.pi) - far, np.where(right, above, np.pi) + far
 
 
-# ---- of numbers, in float32
+# ---- intervals of float32 numbers
 
 
 def inside(low: float, high: float) -> tuple[float, float]:
-    """The floats (float32) of an interval: its ends moved inward."""
+    """Return the float32 numbers next to the ends of an interval, inside it if there are any."""
     a, b = np.float32(low), np.float32(high)
     a = np.nextafter(a, np.float32(np.inf)) if float(a) < low else a
     b = np.nextafter(b, np.float32(-np.inf)) if float(b) > high else b
@@ -185,7 +195,7 @@ def inside(low: float, high: float) -> tuple[float, float]:
 
 
 def outside(low: float, high: float) -> tuple[float, float]:
-    """Floats (float32) below and above an interval."""
+    """Return float32 numbers below and above an interval."""
     a, b = (
         np.nextafter(np.float32(low), np.float32(-np.inf)),
         np.nextafter(np.float32(high), np.float32(np.inf)),

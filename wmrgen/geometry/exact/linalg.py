@@ -1,4 +1,4 @@
-"""Small exact linear algebra: ranks and null spaces of numbers; determinants of polynomials, by cofactors."""
+"""Small exact linear algebra: ranks and null spaces of matrices of numbers, determinants of polynomials."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Vector = tuple[Exact, ...]
 
 
 def reduce_rows(rows: Sequence[Sequence[Exact]]) -> tuple[list[list[Exact]], list[int]]:
-    """Reduced row echelon form and its pivot columns."""
+    """Return the reduced row echelon form and its pivot columns."""
     work = [list(r) for r in rows]
     pivots: list[int] = []
     width = len(work[0]) if work else 0
@@ -34,12 +34,12 @@ def reduce_rows(rows: Sequence[Sequence[Exact]]) -> tuple[list[list[Exact]], lis
 
 
 def rank(rows: Sequence[Sequence[Exact]]) -> int:
-    """The exact rank."""
+    """Return the exact rank."""
     return len(reduce_rows(rows)[1])
 
 
 def null_space(rows: Sequence[Sequence[Exact]], width: int) -> list[Vector]:
-    """A basis of {v: rows v = 0}; ``width`` columns."""
+    """Return a basis of {v: rows v = 0} for a matrix of ``width`` columns, which may have no rows."""
     reduced, pivots = reduce_rows(rows)
     basis = []
     for free in (c for c in range(width) if c not in pivots):
@@ -52,7 +52,7 @@ def null_space(rows: Sequence[Sequence[Exact]], width: int) -> list[Vector]:
 
 
 def left_null_space(columns: Sequence[Sequence[Exact]]) -> list[Vector]:
-    """A basis of {w: w M = 0} for the matrix M given by its rows."""
+    """Return a basis of {w: w M = 0} for the matrix M, which is given by its rows."""
     if not columns:
         return []
     transposed = [list(c) for c in zip(*columns, strict=True)]
@@ -63,37 +63,46 @@ Matrix = Sequence[Sequence[Poly]]
 
 
 def mean(values: Sequence[Poly]) -> Poly:
-    """Their sum over their number."""
+    """Return the arithmetic mean."""
     return Poly.sum(values).scale(Fraction(1, len(values)))
 
 
 def determinant(m: Matrix) -> Poly:
-    """det m, expanded by its first row; 1 of a matrix without rows."""
+    """Return det m, expanded by the first row; 1 for a matrix without rows."""
     if not m:
         return Poly.of(1)
     return Poly.sum(p * cofactor(m, 0, j) for j, p in enumerate(m[0]) if p)
 
 
 def cofactor(m: Matrix, i: int, j: int) -> Poly:
-    """(-1)^(i + j) times the determinant of ``m`` without row i and column j."""
+    """Return a cofactor of a matrix.
+
+    Args:
+        m: A square matrix.
+        i: The row to remove.
+        j: The column to remove.
+
+    Returns:
+        (-1)^(i + j) times the determinant of the rest.
+    """
     minor = determinant([[*row[:j], *row[j + 1 :]] for k, row in enumerate(m) if k != i])
     return -minor if (i + j) % 2 else minor
 
 
 def symmetric(entry: Callable[[int, int], Poly], size: int = 3) -> list[list[Poly]]:
-    """The symmetric matrix whose upper triangle ``entry`` gives, asked once for each, row by row."""
+    """Return the symmetric matrix whose upper triangle is ``entry(i, j)``, called once for each, row by row."""
     upper = {(i, j): entry(i, j) for i in range(size) for j in range(i, size)}
     return [[upper[min(i, j), max(i, j)] for j in range(size)] for i in range(size)]
 
 
 def adjugate(m: Matrix) -> list[list[Poly]]:
-    """adj m, with m adj m = det m: the transposed cofactors."""
+    """Return adj m, the transposed cofactors: m adj m = det m."""
     size = range(len(m))
     return [[cofactor(m, i, j) for i in size] for j in size]
 
 
 def inverse(m: Matrix) -> list[list[Poly]]:
-    """adj m / det m, with one reciprocal."""
+    """Return adj m / det m, with one reciprocal."""
     adj = adjugate(m)
     over = Poly.sum(p * row[0] for p, row in zip(m[0], adj, strict=True)).inverse()
     return [[p * over for p in row] for row in adj]

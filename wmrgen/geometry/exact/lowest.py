@@ -1,8 +1,8 @@
 """Fractions of polynomials in lowest terms.
 
-A common divisor is found by sympy over Q, generator by generator free of relations: an irrational coefficient
-a + b sqrt2 + c sqrt3 + d sqrt6 counts as four polynomials, and a rational polynomial that divides all four divides
-their sum. Each division is exact, or sympy raises an error, so a cancelled fraction has the value of the one before.
+sympy finds common divisors over Q, and treats the generators as unrelated. A polynomial with coefficients
+a + b sqrt2 + c sqrt3 + d sqrt6 is split into four rational polynomials; a rational polynomial that divides all four
+divides their sum. Each division is exact, or sympy raises an error, so cancelling never changes a value.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ _ROOTS = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))  # 1, sqrt2, s
 
 
 class Product(NamedTuple):
-    """``factor * rest``: ``factor`` depends on geometry alone, ``rest`` has no denominator."""
+    """A product ``factor * rest``."""
 
-    factor: Poly
-    rest: Poly
+    factor: Poly  # depends on geometry alone
+    rest: Poly  # has no denominator
 
 
 def quotient(above: Poly, below: Poly) -> Product:
-    """Return above / below in lowest terms, what all coefficients of signals share as a factor of its own.
+    """Return above / below in lowest terms, with the common divisor of all coefficients as a separate factor.
 
     Args:
         above: A polynomial in signals (inputs, intermediate results) whose coefficients are geometry.
@@ -52,7 +52,7 @@ def quotient(above: Poly, below: Poly) -> Product:
 
 
 def reciprocal(p: Poly) -> Poly:
-    """1 / p, its monomial and the number that its coefficients share taken out: 1/(4 a + 4 b) is 1/4 * 1/(a + b)."""
+    """Return 1 / p with common monomials and numbers factored out: 1/(4 a + 4 b) is 1/4 * 1/(a + b)."""
     if len(p.terms) < 2:
         return p.inverse()
     scale, monomial = _common_number(p), _monomial(common_powers([p]))
@@ -61,9 +61,9 @@ def reciprocal(p: Poly) -> Poly:
 
 
 def common_divisor(polys: Iterable[Poly]) -> Poly:
-    """A polynomial that divides all of ``polys``, of content 1 over Q; 0 where all are 0.
+    """Return a polynomial that divides all of ``polys`` and has content 1 over Q; 0 if all are 0.
 
-    Generators count as free of one another: a divisor that only shows by c**2 + s**2 = 1 is not found.
+    Generators are treated as unrelated: a divisor that appears only because c**2 + s**2 = 1 is not found.
     """
     given = [p for p in polys if p]
     if not given:
@@ -81,15 +81,13 @@ def common_divisor(polys: Iterable[Poly]) -> Poly:
         if divisor.is_ground:
             break
         divisor = divisor.gcd(part)
-    return (
-        _monomial(shared)
-        if divisor.is_ground
-        else _from_ring([divisor.primitive()[1]], gens) * _monomial(shared)
-    )
+    if divisor.is_ground:
+        return _monomial(shared)
+    return _from_ring([divisor.primitive()[1]], gens) * _monomial(shared)
 
 
 def divided(p: Poly, divisor: Poly) -> Poly:
-    """p / divisor, which divides it. sympy's ExactQuotientFailed where it does not."""
+    """Return p / divisor. sympy raises ExactQuotientFailed if the divisor does not divide p."""
     if len(divisor.terms) == 1:
         return p * divisor.inverse()
     if not p:
@@ -104,30 +102,30 @@ def divided(p: Poly, divisor: Poly) -> Poly:
 
 
 def unrelated(p: Poly) -> Poly:
-    """``p`` with sines and cosines of geometry as plain symbols, so that s**2 is not rewritten as 1 - c**2."""
+    """Return ``p`` with sines and cosines of geometry as plain symbols, so that s**2 is not rewritten as 1 - c**2."""
     return p.substitute(lambda g: Poly.gen("free", "", g.alone) if g.kind in ("cosf", "sinf") else None)
 
 
 def related(p: Poly) -> Poly:
-    """``p`` with sines and cosines in the place of the plain symbols of `unrelated`."""
+    """Return ``p`` with the plain symbols of `unrelated` replaced by sines and cosines again."""
     return p.substitute(lambda g: related(g.args[0]) if g.kind == "free" else _inside(g))
 
 
 def shorter(p: Poly) -> Poly:
-    """An `unrelated` polynomial or the same with c**2 + s**2 = 1 applied, whichever has fewer terms."""
+    """Return an `unrelated` polynomial or its form with c**2 + s**2 = 1 applied, whichever has fewer terms."""
     reduced = unrelated(related(p))
     return reduced if len(reduced.terms) < len(p.terms) else p
 
 
 def _inside(g: Gen) -> Poly | None:
-    """A reciprocal with `related` arguments; None for another generator."""
+    """Return a reciprocal with `related` arguments; None for another generator."""
     if g.kind != "inv":
         return None
     return related(g.args[0]).inverse()
 
 
 def _coefficients(p: Poly) -> list[Poly]:
-    """The coefficients of ``p`` as a polynomial in its signals."""
+    """Return the coefficients of ``p`` as a polynomial in its signals."""
     groups: dict[Monomial, dict[Monomial, Exact]] = {}
     for monomial, coefficient in p.terms.items():
         signals = tuple((g, e) for g, e in monomial if g.kind in SIGNALS)
@@ -137,7 +135,10 @@ def _coefficients(p: Poly) -> list[Poly]:
 
 
 def _common_number(p: Poly) -> Exact:
-    """The coefficient, up to sign, that most terms share: divided by it, they take no product. Most signs become +."""
+    """Return the most frequent coefficient up to sign, so that most terms need no product after division by it.
+
+    It is negative if most coefficients are, so that most signs become +.
+    """
     if not p:
         return ONE
     coefficients = [c for _, c in p.ordered]
@@ -154,12 +155,12 @@ def _monomial(powers: dict[Gen, int]) -> Poly:
 
 @lru_cache(maxsize=64)
 def _ring(size: int) -> Any:
-    """The ring over Q of polynomials in ``size`` anonymous generators."""
+    """Return sympy's ring over Q of polynomials in ``size`` anonymous generators."""
     return PolyRing([sympy.Dummy() for _ in range(size)], sympy.QQ, lex)
 
 
 def _to_ring(p: Poly, gens: Sequence[Gen], ring: Any) -> list[Any]:
-    """The four rational polynomials that ``p`` is the sum of, times 1, sqrt2, sqrt3, sqrt6."""
+    """Return four rational polynomials; ``p`` is their sum, weighted with 1, sqrt2, sqrt3 and sqrt6."""
     place = {g: k for k, g in enumerate(gens)}
     parts: list[dict[tuple[int, ...], Any]] = [{}, {}, {}, {}]
     for monomial, coefficient in p.terms.items():
@@ -173,7 +174,7 @@ def _to_ring(p: Poly, gens: Sequence[Gen], ring: Any) -> list[Any]:
 
 
 def _from_ring(parts: Sequence[Any], gens: Sequence[Gen]) -> Poly:
-    """The sum of rational polynomials times 1, sqrt2, sqrt3, sqrt6. Relations of generators are applied."""
+    """Return the sum of rational polynomials times 1, sqrt2, sqrt3, sqrt6, with relations of generators applied."""
     terms: list[Poly] = []
     for part, root in zip(parts, _ROOTS[: len(parts)], strict=True):
         for powers, value in part.terms():

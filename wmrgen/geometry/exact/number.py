@@ -1,6 +1,6 @@
-"""Numbers of the field Q(sqrt2, sqrt3): exactly where cosines of multiples of pi/12 live.
+"""Numbers of the field Q(sqrt2, sqrt3), which contains the cosines of all multiples of pi/12.
 
-An element a + b sqrt2 + c sqrt3 + d sqrt6 is four integers over one common denominator.
+An element a + b sqrt2 + c sqrt3 + d sqrt6 is stored as four integers over one common denominator.
 """
 
 from __future__ import annotations
@@ -11,20 +11,20 @@ from functools import cache, total_ordering
 from math import gcd, isqrt, lcm, prod
 
 Rational = int | Fraction
-_DIGITS = 60
+_DIGITS = 60  # decimals of roots, far more than the 17 digits of a double
 _NONE = (0, 0, 0, 0)
 _MODULUS = sys.hash_info.modulus
 
 
 @cache
 def sqrt_rational(n: int, digits: int = _DIGITS) -> Fraction:
-    """sqrt(n) rounded down to ``digits`` decimals, as a fraction."""
+    """Return sqrt(n) rounded down to ``digits`` decimals, as a fraction."""
     scale = 10**digits
     return Fraction(isqrt(n * scale * scale), scale)
 
 
 def _hash_of_ratio(num: int, den: int) -> int:
-    """The hash of the equal int or Fraction, num / den in lowest terms, den > 0.
+    """Return the hash of the equal int or Fraction, num / den in lowest terms, den > 0.
 
     The rule is in the Python manual, "Hashing of numeric types". Building a Fraction would compute the greatest common
     divisor again.
@@ -45,7 +45,7 @@ class Exact:
 
     def __init__(self, a: Rational = 0, b: Rational = 0, c: Rational = 0, d: Rational = 0) -> None:
         self._hash: int | None = None
-        if not (b or c or d):  # the common case, kept quick
+        if not (b or c or d):  # the common case, for speed
             self.num, self.den = (a.numerator, 0, 0, 0), a.denominator
             return
         parts = (Fraction(a), Fraction(b), Fraction(c), Fraction(d))
@@ -64,21 +64,21 @@ class Exact:
 
     @classmethod
     def ratio(cls, num: int, den: int) -> Exact:
-        """num / den, den > 0."""
+        """Return num / den, den > 0."""
         self, g = object.__new__(cls), gcd(num, den)
         self.num, self.den, self._hash = (num // g, 0, 0, 0), den // g, None
         return self
 
     @classmethod
     def _reduced(cls, num: tuple[int, int, int, int], den: int) -> Exact:
-        """num / den in lowest terms, den > 0."""
+        """Return num / den, which must be in lowest terms, den > 0."""
         self = object.__new__(cls)
         self.num, self.den, self._hash = num, den, None
         return self
 
     @staticmethod
     def of(value: Exact | Rational) -> Exact:
-        """``value`` as a field element."""
+        """Return ``value`` as a field element."""
         return value if isinstance(value, Exact) else Exact(value)
 
     @property
@@ -89,11 +89,12 @@ class Exact:
 
     @property
     def key(self) -> str:
-        """A canonical text. Hexadecimal: Python writes no number of more than 4300 decimals."""
+        """A canonical text, in hexadecimal because Python refuses to write more than 4300 decimal digits."""
         return f"{','.join(map(hex, self.num))}/{self.den:x}"
 
     @property
     def is_rational(self) -> bool:
+        """Whether the number has no root."""
         _, b, c, d = self.num
         return not (b or c or d)
 
@@ -101,7 +102,7 @@ class Exact:
         return self.num != _NONE
 
     def __add__(self, other: Exact | Rational) -> Exact:
-        o = other if isinstance(other, Exact) else Exact(other)  # the quick way: most work is here
+        o = other if isinstance(other, Exact) else Exact(other)  # faster than `of`: most time is spent here
         p, q = self.den, o.den
         a, b, c, d = self.num
         e, f, g, h = o.num
@@ -122,7 +123,7 @@ class Exact:
         return Exact.of(other) - self
 
     def __mul__(self, other: Exact | Rational) -> Exact:
-        o = other if isinstance(other, Exact) else Exact(other)  # the quick way: most work is here
+        o = other if isinstance(other, Exact) else Exact(other)  # faster than `of`: most time is spent here
         a, b, c, d = self.num
         e, f, g, h = o.num
         if not (b or c or d or f or g or h):
@@ -142,7 +143,7 @@ class Exact:
     __rmul__ = __mul__
 
     def inverse(self) -> Exact:
-        """1/self. ZeroDivisionError for 0."""
+        """Return 1/self. Raise ZeroDivisionError for 0."""
         if not self:
             raise ZeroDivisionError("1/0 in Q(sqrt2, sqrt3)")
         a, b, c, d = self.num
@@ -179,13 +180,13 @@ class Exact:
         return self._hash
 
     def rational(self, digits: int = _DIGITS) -> Fraction:
-        """The number itself when rational, else a rational within 10**(3-digits) relative of it."""
+        """Return the number itself if it is rational, else a fraction within 10**(3-digits) of it, relative."""
         a, b, c, d = self.num
         if not (b or c or d):
             return Fraction(a, self.den)
         value = a + b * sqrt_rational(2, digits) + c * sqrt_rational(3, digits) + d * sqrt_rational(6, digits)
         if abs(value) * 10 ** (digits // 2) < max(abs(n) for n in self.num):
-            return self.rational(2 * digits)  # it cancels: look closer; a non-zero element is never 0
+            return self.rational(2 * digits)  # digits cancel: use more; a non-zero element never becomes 0
         return value / self.den
 
     @property
@@ -218,10 +219,14 @@ class Exact:
             if not part:
                 continue
             n, q = abs(part.numerator), part.denominator
-            body = root if root and n == 1 else (f"{n}*{root}" if root else str(n))
-            body = body if q == 1 else f"{body}/{q}"
-            sign = "-" if part < 0 else "+"
-            terms.append((f"-{body}" if sign == "-" else body) if not terms else f" {sign} {body}")
+            factors = [str(n)] if n != 1 or not root else []
+            body = "*".join([*factors, root] if root else factors)
+            if q != 1:
+                body = f"{body}/{q}"
+            if terms:
+                terms.append(f" - {body}" if part < 0 else f" + {body}")
+            else:
+                terms.append(f"-{body}" if part < 0 else body)
         return "".join(terms) or "0"
 
 
@@ -232,7 +237,7 @@ SQRT3 = Exact(0, 0, 1)
 
 
 def exact_sqrt(value: Exact | Rational) -> Exact | None:
-    """sqrt(value) when value is rational and the root lies in the field, else None."""
+    """Return sqrt(value) if value is rational and the root is in the field, else None."""
     v = Exact.of(value)
     if not v.is_rational or v.sign < 0:
         return None

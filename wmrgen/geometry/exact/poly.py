@@ -1,8 +1,8 @@
-"""Sparse polynomials over Q(sqrt2, sqrt3) in named generators: the algebra of the whole derivation.
+"""Sparse polynomials over Q(sqrt2, sqrt3) in named generators. The whole derivation computes with them.
 
-A generator is a parameter, pi, the cosine or sine of a joint angle, or a function of other polynomials
-that has no polynomial form (sqrt(a**2 + b**2)). Relations are applied on the way: sin**2 = 1 - cos**2 and
-sqrt(p)**2 = p. Exponents may be negative, so a monomial can be divided by.
+A generator is a parameter, pi, the cosine or sine of a joint angle, or a function of other polynomials that is not a
+polynomial, such as sqrt(a**2 + b**2). Products apply the relations sin**2 = 1 - cos**2 and sqrt(p)**2 = p. Exponents
+may be negative, so that one can divide by a monomial.
 """
 
 from __future__ import annotations
@@ -21,17 +21,16 @@ T = TypeVar("T")
 
 
 class Gen:
-    """A generator. ``kind``: param, input, local, pi, cos or sin of a joint angle, or a function of ``args``.
-
-    Functions are sqrt, inv, atan2, tan, cosf and sinf. There is one object for each: equal ones are identical.
-    """
+    """A generator of polynomials. Equal generators are identical objects."""
 
     __slots__ = ("__weakref__", "args", "key", "kind", "name")
 
+    # param, input, local, pi; cos or sin of a joint angle; or a function of `args`: sqrt, inv, atan2, tan, cosf, sinf,
+    # and free, a function that no relation is applied to
     kind: str
-    name: str
+    name: str  # of a parameter, an input, a local or a joint; "" for the others
     args: tuple[Poly, ...]
-    key: str
+    key: str  # a canonical text
 
     def __new__(cls, kind: str, name: str = "", args: tuple[Poly, ...] = ()) -> Gen:
         key = f"{kind}:{name}({';'.join(a.key for a in args)})"
@@ -46,7 +45,7 @@ class Gen:
 
     @property
     def alone(self) -> Poly:
-        """The polynomial that is this generator."""
+        """The polynomial that consists of this generator."""
         return Poly({((self, 1),): ONE})
 
 
@@ -56,7 +55,7 @@ Monomial = tuple[tuple[Gen, int], ...]
 
 
 class Poly:
-    """An immutable polynomial. ``terms`` maps monomials (sorted by generator key) to coefficients."""
+    """An immutable polynomial. ``terms`` maps monomials, sorted by generator key, to coefficients."""
 
     __slots__ = ("_key", "terms")
 
@@ -66,7 +65,7 @@ class Poly:
 
     @staticmethod
     def of(value: Poly | Number) -> Poly:
-        """``value`` as a polynomial."""
+        """Return ``value`` as a polynomial."""
         if isinstance(value, Poly):
             return value
         e = Exact.of(value)
@@ -74,7 +73,7 @@ class Poly:
 
     @staticmethod
     def gen(kind: str, name: str = "", *args: Poly) -> Poly:
-        """The polynomial that is one generator."""
+        """Return the polynomial that consists of one generator."""
         return Gen(kind, name, args).alone
 
     @property
@@ -98,7 +97,7 @@ class Poly:
 
     @property
     def constant(self) -> Exact | None:
-        """The value when no generator occurs, else None."""
+        """The value if no generator occurs, else None."""
         if not self.terms:
             return Exact(0)
         return self.terms.get(()) if len(self.terms) == 1 else None
@@ -127,7 +126,7 @@ class Poly:
 
     @staticmethod
     def sum(polys: Iterable[Poly]) -> Poly:
-        """The sum of many polynomials, in one pass."""
+        """Return the sum of many polynomials, in one pass."""
         terms: dict[Monomial, Exact] = {}
         for p in polys:
             _add_to(terms, p.terms.items())
@@ -143,7 +142,7 @@ class Poly:
         return Poly.of(other) + (-self)
 
     def scale(self, k: Number) -> Poly:
-        """k * self for a number k."""
+        """Return k * self for a number k."""
         e = Exact.of(k)
         return self if e == ONE else Poly({m: c * e for m, c in self.terms.items()})
 
@@ -177,7 +176,7 @@ class Poly:
         return prod([self] * n, start=Poly.of(1))
 
     def inverse(self) -> Poly:
-        """1/self: a number's inverse, a monomial with negated exponents, or the generator inv(self)."""
+        """Return 1/self: a number, a monomial with negated exponents, or else the generator inv(self)."""
         value = self.constant
         if value is not None:
             return Poly.of(value.inverse())
@@ -187,7 +186,7 @@ class Poly:
         return Poly.gen("inv", "", self)
 
     def substitute(self, value: Callable[[Gen], Poly | None]) -> Poly:
-        """Replace generators for which ``value`` returns a polynomial; the others stay."""
+        """Return the polynomial with generators replaced by ``value(generator)``; None leaves a generator as it is."""
         if self.constant is not None:
             return self
         summands: list[Poly] = []
@@ -221,7 +220,10 @@ def _add_to(terms: dict[Monomial, Exact], others: Iterable[tuple[Monomial, Exact
 
 
 def _merge(a: Monomial, b: Monomial) -> tuple[Monomial, Poly | None]:
-    """The product of two monomials; the second part is the factor that a relation puts in place of squares, or None."""
+    """Return the product of two monomials.
+
+    The second part of the result is a factor by which relations replace squares of sines and roots, or None.
+    """
     if not a:
         return b, None
     if not b:
@@ -239,7 +241,7 @@ def _merge(a: Monomial, b: Monomial) -> tuple[Monomial, Poly | None]:
 
 @lru_cache(maxsize=1000)
 def _square(g: Gen) -> Poly:
-    """What stands for the square of a sine or a square root."""
+    """Return the polynomial that replaces the square of a sine or of a square root."""
     if g.kind == "sqrt":
         return g.args[0]
     cosine = Gen("cos" if g.kind == "sin" else "cosf", g.name, g.args).alone
@@ -250,44 +252,53 @@ Row = tuple[Poly, Poly, Poly]
 
 
 def triple(values: Iterable[T]) -> tuple[T, T, T]:
-    """Three values, as a row, a twist or a vector has them."""
+    """Return exactly three values as a tuple: a row, a twist or a vector."""
     a, b, c = values
     return a, b, c
 
 
 def each(row: Sequence[Poly], function: Callable[[Poly], Poly]) -> Row:
-    """A row with each entry put through a function."""
+    """Return a row with ``function`` applied to each entry."""
     return triple(map(function, row))
 
 
 def cross(a: Row, b: Row) -> Row:
-    """a x b: the null vector of two independent rows."""
+    """Return a x b, the null vector of two independent rows."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def common_powers(polys: Iterable[Poly]) -> dict[Gen, int]:
-    """Of each generator the least power in any term (negative ones too): the largest monomial that divides all."""
+    """Return the largest monomial that divides all terms: for each generator its least power, which may be negative."""
     monomials = [dict(m) for p in polys for m in p.terms]
     return {g: min(m.get(g, 0) for m in monomials) for g in {g for m in monomials for g in m}}
 
 
 def has_angles(row: Iterable[Poly]) -> bool:
-    """True where the angle of a joint occurs."""
+    """Return whether the angle of a joint occurs."""
     return any(g.kind in ("cos", "sin") for p in row for g in p.generators)
 
 
 def at_angle(p: Poly, c: Poly, s: Poly) -> Poly:
-    """``p`` with every joint at the angle of this cosine and sine."""
+    """Return a polynomial with all joints at the same angle.
+
+    Args:
+        p: The polynomial.
+        c: The cosine of the angle.
+        s: The sine of the angle.
+
+    Returns:
+        The polynomial without joint angles.
+    """
     return p.substitute(lambda g: {"cos": c, "sin": s}.get(g.kind))
 
 
 def dot(a: Sequence[Poly], b: Sequence[Poly]) -> Poly:
-    """a . b of vectors of three."""
+    """Return a . b for vectors of three entries."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def derivative(poly: Poly, of_generator: Callable[[Gen], Poly]) -> Poly:
-    """The sum over generators g of d poly / d g times ``of_generator(g)``, the derivative of g."""
+    """Return the derivative of ``poly`` by the chain rule, with ``of_generator(g)`` as the derivative of g."""
     parts = []
     for monomial, coefficient in poly.terms.items():
         for g, e in monomial:

@@ -1,7 +1,7 @@
-"""Sines and cosines of geometry as a reader writes them: tan g for sin g / cos g, sin(a - b) for two products.
+"""Write sines and cosines of geometry as an engineer does: tan g for sin g / cos g, sin(a - b) for two products.
 
-The results have the same values, but they are no normal form: equal polynomials may be written in several ways. They
-are for reports and for expressions that users read, and nothing is computed with them.
+The results have the same values but no normal form: equal polynomials may have different results. They are for
+reports and for expressions that users read. Do not compute with them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _OTHER = {"cosf": "sinf", "sinf": "cosf"}
 
 
 def readable(product: Product) -> Product:
-    """The same product with sines of sums, tangents, and sums without fractions or common numbers."""
+    """Return the same product with sines of sums, tangents, and sums without fractions or common numbers."""
     factor, rest = (with_sines_squared(with_sums_of_angles(part)) for part in product)
     size = _content(rest)
     factor = factor.scale(size).substitute(_whole_divisor)
@@ -24,7 +24,7 @@ def readable(product: Product) -> Product:
 
 
 def _whole_divisor(g: Gen) -> Poly | None:
-    """1 / (a + b/3) as 3 / (3 a + b), and 1 / (1 + 2 a) as 0.5 / (a + 0.5), where numbers are lengths too."""
+    """Return 1 / (a + b/3) as 3 / (3 a + b), and 1 / (1 + 2 a), where 1 is a length, as 0.5 / (a + 0.5)."""
     if g.kind != "inv":
         return None
     lengths = {m: sum(e for h, e in m if h.kind == "param") for m in g.args[0].terms}
@@ -36,7 +36,7 @@ def _whole_divisor(g: Gen) -> Poly | None:
 
 
 def _content(p: Poly) -> Exact:
-    """The largest number by which all coefficients are whole multiples; 1 where some are irrational."""
+    """Return the largest number of which all coefficients are integer multiples; 1 if some are irrational."""
     numbers = [c.parts[0] for c in p.terms.values() if c.is_rational]
     if not numbers or len(numbers) < len(p.terms):
         return ONE
@@ -44,9 +44,9 @@ def _content(p: Poly) -> Exact:
 
 
 def with_tangents(p: Poly) -> Poly:
-    """``p`` with sin g / cos g as tan g, term by term, also where the divisor is a sum.
+    """Return ``p`` with sin g / cos g as tan g, term by term.
 
-    cos g / (a sin g + b cos g) is 1 / (a tan g + b).
+    If the divisor is a sum, cos g / (a sin g + b cos g) becomes 1 / (a tan g + b).
     """
     return Poly.sum(_with_tangent(m).scale(c) for m, c in p.terms.items())
 
@@ -70,7 +70,7 @@ def _with_tangent(monomial: Monomial) -> Poly:
 
 
 def _without(powers: dict[Gen, int], inv: Gen, cosine: Gen) -> Monomial:
-    """The monomial without ``inv`` and with one ``cosine`` less."""
+    """Return the monomial without ``inv`` and with one ``cosine`` less."""
     return _monomial({g: e for g, e in powers.items() if g is not inv} | {cosine: powers[cosine] - 1})
 
 
@@ -79,7 +79,7 @@ def _monomial(powers: dict[Gen, int]) -> Monomial:
 
 
 def _over_cosine(p: Poly, cosine: Gen) -> Poly | None:
-    """p / cosine in tangents, of a sum each of whose terms has one sine or cosine of the angle; else None."""
+    """Return p / cosine in tangents if each term of p has exactly one sine or cosine of the angle, else None."""
     sine, terms = Gen("sinf", "", cosine.args), []
     for monomial, coefficient in p.terms.items():
         powers = dict(monomial)
@@ -92,7 +92,7 @@ def _over_cosine(p: Poly, cosine: Gen) -> Poly | None:
 
 
 def with_sums_of_angles(p: Poly) -> Poly:
-    """``p`` with sin a cos b - cos a sin b as sin(a - b), and so for sums and cosines; divisors too."""
+    """Return ``p`` with sin a cos b - cos a sin b as sin(a - b), likewise for sums and cosines, and in divisors."""
     p = p.substitute(lambda g: with_sums_of_angles(g.args[0]).inverse() if g.kind == "inv" else None)
     rest, done = list(p.ordered), list[Poly]()
     while rest:
@@ -109,7 +109,7 @@ def with_sums_of_angles(p: Poly) -> Poly:
 
 
 def with_sines_squared(p: Poly) -> Poly:
-    """``p`` with 1 - cos**2 as sin**2."""
+    """Return ``p`` with 1 - cos**2 as sin**2."""
     rest, done = dict(p.terms), dict[Monomial, Exact]()
     for monomial, coefficient in p.ordered:
         for g in [g for g, e in monomial if g.kind == "cosf" and e == 2]:
@@ -123,7 +123,7 @@ def with_sines_squared(p: Poly) -> Poly:
 
 
 def _joined(first: Monomial, second: Monomial, alike: bool) -> Poly | None:
-    """first + second, or where they are not ``alike`` first - second, as one sine or cosine; None if it is neither."""
+    """Return first + second (if ``alike``) or first - second as one sine or cosine, or None if it is neither."""
     own = [power for power in first if power not in second]
     others = {power for power in second if power not in first}
     if len(own) != 2 or any(e != 1 or g.kind not in _OTHER for g, e in own):

@@ -1,4 +1,4 @@
-"""Where every wheel is: exact positions, headings and radii."""
+"""The layout of a robot: exact positions, headings and radii of its wheels."""
 
 from wmrgen.geometry.layout.build import build
 from wmrgen.geometry.layout.records import Geometry, Robot, Wheel

@@ -1,8 +1,8 @@
-"""Expression trees over boxes of parameters: whether a value keeps its sign there, proved or with a point where it
-does not.
+"""Decide whether an expression keeps its sign on a box of parameters, by branch and bound.
 
-Intervals prove; where a value is monotone in a parameter, the end of that parameter's range decides; what is left is
-halved (branch and bound). A point where the value has the wrong sign is evaluated exactly before it is reported.
+Interval arithmetic proves that the sign is kept. If the value is monotonic in a parameter, only one end of that
+parameter's range is examined. Boxes that remain undecided are halved. A point with the wrong sign is evaluated exactly
+before it is reported.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from wmrgen.geometry.exact.interval import Interval
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.robotfile.records import Binary, Call, Expr, Neg, Num, Param, Pi
 
-_MOST = 4096  # boxes that are looked at for one value: a fraction of a second
-_EXACT = 200  # points at which a value is evaluated exactly
+_MOST = 4096  # boxes of one expression, which take a fraction of a second
+_EXACT = 200  # exact evaluations of one expression in a round, which are slow
 _PI = (nextafter(np.pi, 0.0), nextafter(np.pi, 4.0))
 Box = Mapping[str, tuple[Exact, Exact]]
 Point = Mapping[str, Exact]
@@ -30,10 +30,10 @@ Floats = NDArray[np.float64]
 
 
 class Verdict(NamedTuple):
-    """``proved``: a condition holds on the whole box. ``point``: where it does not. Neither: it is not known."""
+    """The result of a search: proved, refuted by a point, or undecided if neither is set."""
 
-    proved: bool
-    point: Point | None = None
+    proved: bool  # the condition holds on the whole box
+    point: Point | None = None  # a point where it does not hold
 
 
 HOLDS, OPEN = Verdict(True), Verdict(False)
@@ -41,25 +41,22 @@ HOLDS, OPEN = Verdict(True), Verdict(False)
 
 @dataclass(frozen=True, slots=True)
 class _Dual:
-    """The interval of a value on each box, and those of its derivatives by the parameters."""
+    """The intervals of a value and of its derivatives on each box."""
 
     value: Interval
-    slopes: tuple[Interval, ...]
+    slopes: tuple[Interval, ...]  # one for each parameter in `_Boxes.by`
 
 
 class _Boxes(NamedTuple):
-    """Boxes of tunable parameters: ``ends`` of each, one entry a box; ``trees``: of computed parameters.
+    """Boxes of tunable parameters, on which expressions are evaluated."""
 
-    ``by``: the parameters by which derivatives are wanted, all or none.
-    """
-
-    names: Sequence[str]
-    ends: Sequence[Interval]
-    trees: Mapping[str, Expr]
-    by: Sequence[str] = ()
+    names: Sequence[str]  # the tunable parameters
+    ends: Sequence[Interval]  # for each of them its interval, with one entry for each box
+    trees: Mapping[str, Expr]  # expressions of the other parameters
+    by: Sequence[str] = ()  # parameters for which derivatives are wanted: all of `names` or none
 
     def of(self, expr: Expr) -> _Dual:
-        """A tree on every box. Roots of negative numbers count as 0: they have a demand of their own."""
+        """Evaluate an expression on every box. Roots of negative numbers are 0, because a separate check finds them."""
         zero = self._constant(0.0, 0.0)
         match expr:
             case Num(value):
@@ -107,7 +104,8 @@ class _Boxes(NamedTuple):
             return (self._constant(1.0, 1.0), value, square, iv.times(square, value), iv.square(square))[n]
 
         def slope(value: Interval) -> Interval:
-            below = power - 1  # -5 is the reciprocal of a fifth power
+            below = power - 1
+            # `raised` knows exponents from -4 to 4.
             lower = iv.times(raised(value, -4), raised(value, -1)) if below == -5 else raised(value, below)
             return iv.times(self._constant(float(power), float(power)), lower)
 
@@ -115,17 +113,15 @@ class _Boxes(NamedTuple):
 
     def _binary(self, op: str, a: _Dual, b: _Dual) -> _Dual:
         if op in "+-":
-            of = iv.plus if op == "+" else iv.minus
-            return _Dual(
-                of(a.value, b.value), tuple(of(s, t) for s, t in zip(a.slopes, b.slopes, strict=True))
-            )
+            combine = iv.plus if op == "+" else iv.minus
+            slopes = [combine(s, t) for s, t in zip(a.slopes, b.slopes, strict=True)]
+            return _Dual(combine(a.value, b.value), tuple(slopes))
         if op == "/":
             b = self._power(b, -1)
-        slopes = tuple(
-            iv.plus(iv.times(s, b.value), iv.times(t, a.value))
-            for s, t in zip(a.slopes, b.slopes, strict=True)
-        )
-        return _Dual(iv.times(a.value, b.value), slopes)
+        slopes = []
+        for s, t in zip(a.slopes, b.slopes, strict=True):
+            slopes.append(iv.plus(iv.times(s, b.value), iv.times(t, a.value)))
+        return _Dual(iv.times(a.value, b.value), tuple(slopes))
 
     def _call(self, name: str, a: _Dual) -> _Dual:
         match name:
@@ -144,34 +140,34 @@ class _Boxes(NamedTuple):
     def _direction(self, y: _Dual, x: _Dual) -> _Dual:
         per = iv.reciprocal(iv.plus(iv.square(x.value), iv.square(y.value)))
         across, along = iv.times(x.value, per), iv.times(y.value, per)
-        slopes = tuple(
-            iv.minus(iv.times(across, s), iv.times(along, t)) for s, t in zip(y.slopes, x.slopes, strict=True)
-        )
-        return _Dual(iv.arctangent(y.value, x.value), slopes)
+        slopes = []
+        for s, t in zip(y.slopes, x.slopes, strict=True):
+            slopes.append(iv.minus(iv.times(across, s), iv.times(along, t)))
+        return _Dual(iv.arctangent(y.value, x.value), tuple(slopes))
 
 
 def _around(value: Fraction | Exact) -> tuple[float, float]:
-    """Floats below and above a number, or the float that it is."""
+    """Return floats below and above a number, or the equal float twice if there is one."""
     near = float(value)
-    return (
-        (near, near) if Exact.of(Fraction(near)) == value else (nextafter(near, -inf), nextafter(near, inf))
-    )
+    if Exact.of(Fraction(near)) == value:
+        return near, near
+    return nextafter(near, -inf), nextafter(near, inf)
 
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """Of ``sign`` times a tree, whether it is positive (``strict``) or not negative on a box."""
+    """The question whether ``sign`` times an expression is positive, or not negative, on a box."""
 
     expr: Expr
-    sign: int
-    strict: bool
-    wrong: Callable[[Point], bool]
-    names: Sequence[str]
-    box: Box
-    trees: Mapping[str, Expr]
+    sign: int  # 1 or -1
+    strict: bool  # positive; else not negative
+    wrong: Callable[[Point], bool]  # whether the exact value at a point violates the condition
+    names: Sequence[str]  # parameters that span the box
+    box: Box  # their ranges
+    trees: Mapping[str, Expr]  # expressions of the other parameters
 
     def run(self, rounds: int) -> Verdict:
-        """The verdict after so many halvings at most."""
+        """Search with at most ``rounds`` halvings."""
         low, high = _corners(self.names, self.box)
         width = high - low
         for _ in range(rounds):
@@ -180,7 +176,7 @@ class Search:
             if not low.shape[1]:
                 return HOLDS
             self._to_worst_ends(low, high, self._at(low, high, self.names).slopes)
-            # Corners that monotony leaves of boxes are decided exactly.
+            # A box in which the value is monotonic in every parameter is now a corner, which is decided exactly.
             rest = ~self._fine(self._at(low, high).value[0])
             low, high = low[:, rest], high[:, rest]
             alone = (low == high).all(axis=0)
@@ -207,14 +203,14 @@ class Search:
         return np.asarray(least > 0 if self.strict else least >= 0)
 
     def _to_worst_ends(self, low: Floats, high: Floats, slopes: Sequence[Interval]) -> None:
-        """Boxes without what is no worse than another part of them."""
+        """Replace the range of each monotonic parameter by the end with the least value, in place."""
         for k, (down, up) in enumerate(slopes):
             rises, falls = down >= 0, (up <= 0) & ~(down >= 0)
             high[k] = np.where(rises, low[k], high[k])
             low[k] = np.where(falls, high[k], low[k])
 
     def _wrong_among(self, points: Floats) -> Point | None:
-        """The first of the points where the value is wrong, exactly."""
+        """Return the first of the points at which the exact value is wrong, or None."""
         for column in points.T.tolist():
             point = {name: _exactly(x, self.box[name]) for name, x in zip(self.names, column, strict=True)}
             if self.wrong(point):
@@ -223,20 +219,20 @@ class Search:
 
 
 def _corners(names: Sequence[str], box: Box) -> tuple[Floats, Floats]:
-    """The box in floats, outward: its lower ends (parameters, 1) and its upper ends."""
+    """Return the lower and upper ends of the box in floats, rounded outward, each of shape (parameters, 1)."""
     low = np.array([[_around(box[name][0])[0]] for name in names])
     high = np.array([[_around(box[name][1])[1]] for name in names])
     return low, high
 
 
 def _exactly(x: float, ends: tuple[Exact, Exact]) -> Exact:
-    """A coordinate; at the ends of a range those that the file has."""
+    """Return a coordinate exactly, clamped to its range."""
     value = Exact(Fraction(x))
     return min(max(value, ends[0]), ends[1])
 
 
 def _halved(low: Floats, high: Floats, width: Floats) -> tuple[Floats, Floats]:
-    """Each box in two, along the parameter in which it has most of its range left."""
+    """Halve each box along its longest side relative to ``width``, the ranges of the parameters."""
     widest = np.argmax((high - low) / width, axis=0)
     each = np.arange(low.shape[1])
     middle = (low + high)[widest, each] / 2
@@ -247,7 +243,18 @@ def _halved(low: Floats, high: Floats, width: Floats) -> tuple[Floats, Floats]:
 
 
 def apart(one: Expr, other: Expr, box: Box, trees: Mapping[str, Expr], rounds: int) -> Verdict:
-    """Whether on each part of a box one of two values is not 0; else nothing is known."""
+    """Return whether two values are proved never to be 0 at the same point of a box.
+
+    Args:
+        one: The first expression.
+        other: The second expression.
+        box: The ranges of the parameters in both.
+        trees: Expressions of parameters that are not tunable.
+        rounds: The most halvings of the box.
+
+    Returns:
+        `HOLDS` if it is proved, else `OPEN`.
+    """
     names = [*box]
     low, high = _corners(names, box)
     width = high - low

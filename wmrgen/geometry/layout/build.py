@@ -1,4 +1,4 @@
-"""From what the robot file says to an exact layout."""
+"""Build the exact layout of a robot from its robot file."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ HALF_PI = PI.scale(Fraction(1, 2))
 
 
 def build(spec: RobotSpec) -> Robot:
-    """The exact layout of a robot file. RobotFileError where values make no sense."""
+    """Return the exact layout of a robot file. Raise RobotFileError for impossible values."""
     collector = ErrorCollector()
     parameters = _parameters(spec, collector)
     scope = Scope(
@@ -73,16 +73,17 @@ def build(spec: RobotSpec) -> Robot:
             try:
                 wheels.append(_wheel(i, w, _Angles(w.name, scope, tunable if spec.snap else None, notes)))
             except ZeroDivisionError:
-                what = f"the wheel {w.name} has a value too small to be told from zero"
+                what = f"the wheel {w.name} has a value too small to be distinguished from zero"
                 raise RobotFileError(what, w.mark, "", "Write 0, or a length.") from None
             except RobotFileError:
-                if (rest := computable(w, scope, collector)) == w:
+                rest = computable(w, scope, collector)
+                if rest == w:
                     raise
-                _wheel(i, rest, _Angles(w.name, scope, None, []))
+                _wheel(i, rest, _Angles(w.name, scope, None, []))  # for further errors
     with collector:
         _check_directions(spec, wheels)
     _check_names(spec, collector)
-    facts = _of_joints(spec, "the robot", scope, collector)
+    facts = _joint_facts(spec, "the robot", scope, collector)
     steer_group, spin_group = groups(spec, "steer"), groups(spec, "spin")
     with collector:
         facts["spin_ratios"] = turn_ratios(spec, "spin", spin_group, scope)
@@ -114,7 +115,7 @@ def build(spec: RobotSpec) -> Robot:
 
 
 def _parameters(spec: RobotSpec, collector: ErrorCollector) -> tuple[Parameter, ...]:
-    """Parameters, each after those it uses."""
+    """Return the parameters with their default ranges, each after those it uses."""
     values: dict[str, Poly] = {}
     working: dict[str, Poly] = {}
     parameters = []
@@ -137,7 +138,7 @@ def _parameters(spec: RobotSpec, collector: ErrorCollector) -> tuple[Parameter, 
 def _with_ranges(
     spec: RobotSpec, parameters: tuple[Parameter, ...], scope: Scope, collector: ErrorCollector
 ) -> tuple[Parameter, ...]:
-    """The parameters with the ranges that the file states. RobotFileError for a range without the parameter's value."""
+    """Return the parameters with the ranges from the file. Collect errors for ranges that exclude the value."""
     stated = {p.name: p.range for p in spec.parameters if p.range is not None}
     ranged = {p.name: p for p in parameters}
     for name in stated.keys() & ranged.keys():
@@ -154,7 +155,7 @@ def _with_ranges(
                 raise RobotFileError(
                     f"{name} is {float(nominal):.6g}, outside its range from {float(low):.6g} to {float(high):.6g}",
                     (lower if nominal < low else upper).mark,
-                    "Generated code begins with the value, and refuses what is outside the range.",
+                    "Generated code starts with the value, and rejects values outside the range.",
                     f"Write a range around the value, such as tunable: [{around}].",
                 )  # fmt: skip
             ranged[name] = ranged[name]._replace(low=low, high=high)
@@ -162,26 +163,26 @@ def _with_ranges(
 
 
 def _check_independent(p: ParameterSpec, working: Poly) -> None:
-    """A tunable parameter is an input: another one cannot decide its value."""
+    """Raise RobotFileError if a tunable parameter, which is an input, is computed from another one."""
     names = sorted(parameters_in(working))
     if names:
         raise RobotFileError(
             f"parameter {p.name} is tunable and computed from {names[0]}, which is tunable too", p.value.mark,
             f"When {names[0]} changes it is not clear whether {p.name} follows or keeps its value.",
-            f"Delete tunable: true of {p.name}, which then follows {names[0]}; or give {p.name} a number.",
+            f"Delete tunable: true of {p.name}, so that it follows {names[0]}; or give {p.name} a number.",
         )  # fmt: skip
 
 
 class _Angles(NamedTuple):
-    """The angles of one wheel, snapped unless ``tunable`` is None; ``notes`` collects what snapping did."""
+    """The snapping of the angles of one wheel to multiples of pi/12."""
 
     name: str
     scope: Scope
-    tunable: frozenset[str] | None
-    notes: list[str]
+    tunable: frozenset[str] | None  # names of the tunable parameters; None: no angle is snapped
+    notes: list[str]  # collects a sentence for each snapped angle
 
     def snapped(self, angle: Poly, key: str) -> Poly:
-        """The angle, or the multiple of pi/12 that it stands for."""
+        """Return the angle, or the multiple of pi/12 that it is close to."""
         if self.tunable is None:
             return angle
         angle, note = snap(angle, self.scope.values, self.tunable, f"`{self.name}.{key}`")
@@ -189,7 +190,10 @@ class _Angles(NamedTuple):
         return angle
 
     def placement(self, w: WheelSpec) -> tuple[Poly, Poly, Poly, Poly]:
-        """x, y, alpha and alpha as written. Where x and y are given, nothing goes through the angle."""
+        """Return x, y, alpha and alpha before snapping.
+
+        If the file gives x and y, they are used as they are, and alpha is derived from them.
+        """
         scope = self.scope
         if w.x is not None and w.y is not None:
             x, y = scope.poly(w.x), scope.poly(w.y)
@@ -202,10 +206,18 @@ class _Angles(NamedTuple):
         return scope.poly(w.l) * c, scope.poly(w.l) * s, alpha, written
 
     def heading(self, w: WheelSpec, alpha: Poly, written: Poly) -> Poly:
-        """The zero heading alpha + beta - pi/2.
+        """Return the zero heading alpha + beta - pi/2 [rad].
 
-        The sum as written is snapped first, because rounding of alpha and beta cancels in it; then the sum of
-        the snapped angles.
+        The sum of the angles before snapping is snapped first, because rounding of alpha and beta may cancel in it. If
+        it is not near a multiple of pi/12, the sum of the snapped angles is snapped.
+
+        Args:
+            w: The wheel in the robot file.
+            alpha: The angle of the position, snapped.
+            written: The angle of the position before snapping.
+
+        Returns:
+            The heading as a polynomial in the parameters.
         """
         if w.heading is not None:
             return self.snapped(self.scope.poly(w.heading), "heading")
@@ -231,7 +243,7 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
     nominal = symbolic.mapped(scope.number)
     collector = ErrorCollector()
     _check(w, nominal, collector)
-    facts = _of_joints(w, w.name, scope, collector)
+    facts = _joint_facts(w, w.name, scope, collector)
     with collector:
         facts["weight"] = ONE if w.weight is None else weight_of(w.name, w.weight, scope)
     collector.end()
@@ -246,10 +258,10 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
     )  # fmt: skip
 
 
-def _of_joints(
+def _joint_facts(
     spec: RobotSpec | WheelSpec, whose: str, scope: Scope, collector: ErrorCollector
 ) -> dict[str, Any]:
-    """What a wheel, or the robot for all its wheels, says of joints; ``several`` takes what is wrong."""
+    """Return limits, noise, encoders and lags that the file gives for one wheel, or for all wheels of the robot."""
     parts: dict[str, Callable[[], Any]] = {
         "limits": lambda: limits_of(spec.limits, scope),
         "noise": lambda: noise_of(spec.noise, scope),
@@ -264,13 +276,13 @@ def _of_joints(
 
 
 def _check(w: WheelSpec, g: Geometry[Exact], collector: ErrorCollector) -> None:
-    """What no value may be: r <= 0, d = 0 of a castor, and what the wheel's type refuses."""
+    """Collect errors for impossible values: r <= 0, d = 0 for a castor, and the checks of the wheel type."""
     kind = w.kind
     what = f"the {kind.name} wheel {w.ball or w.name}".rstrip()
     with collector:
         if w.r is not None and "r" in kind.required and g.r.sign <= 0:
-            said = w.r.text if isinstance(w.r.expr, Num | Neg) else f"{w.r.text} = {float(g.r):g}"
-            raise RobotFileError(f"{what} has r = {said}, which is not positive", w.r.mark, "",
+            value = w.r.text if isinstance(w.r.expr, Num | Neg) else f"{w.r.text} = {float(g.r):g}"
+            raise RobotFileError(f"{what} has r = {value}, which is not positive", w.r.mark, "",
                                  "Write r in metres, the radius and not the diameter, larger than 0.")  # fmt: skip
     with collector:
         if w.d is not None and kind.swivels and not g.d:
@@ -288,7 +300,7 @@ def _check(w: WheelSpec, g: Geometry[Exact], collector: ErrorCollector) -> None:
 
 
 def _check_directions(spec: RobotSpec, wheels: Sequence[Wheel]) -> None:
-    """The two driven directions of a ball must be independent."""
+    """Raise RobotFileError if the two driven directions of a ball are parallel."""
     written = {w.name: w for w in spec.wheels}
     for a, b in combinations((w for w in wheels if w.ball), 2):
         if a.ball == b.ball and parallel([a.zero_heading, b.zero_heading]):
@@ -296,35 +308,31 @@ def _check_directions(spec: RobotSpec, wheels: Sequence[Wheel]) -> None:
             mark = heading.mark if heading else None
             raise RobotFileError(
                 f"the two driven directions of the ball {a.ball} are parallel", mark,
-                "Along one line a ball has one speed, so its two drives would be one joint.",
+                "A ball has one speed along a line, so its two drives would act as one joint.",
                 "Write one direction, or a second one across the first, such as driven: [0, 90 deg].",
             )  # fmt: skip
 
 
 def _check_names(spec: RobotSpec, collector: ErrorCollector) -> None:
-    """A parameter is an input of the generated code, as joints are."""
-    parts = (
+    """Collect an error for each parameter whose name is also the name of another input of the generated code."""
+    suffixes = (
         (spec.wheels, ("_spin", "_steer", "_steer_rate")),
         (spec.virtual, ("_steer", "_steer_rate", "_speed")),
         (spec.trailers, ("_theta", "_theta_rate", "_x", "_y")),
     )
-    names = {
-        f"{part.name}{ending}".lower() for group, endings in parts for part in group for ending in endings
-    }
-    names |= {GYRO.name} if spec.gyro else set()
+    names = {GYRO.name} if spec.gyro else set()
+    for parts, endings in suffixes:
+        for part in parts:
+            names |= {f"{part.name}{ending}".lower() for ending in endings}
     for p in spec.parameters:
         with collector:
             if p.name.lower() in names:
-                raise RobotFileError(
-                    f"parameter {p.name} has the name of a sensed value",
-                    p.value.mark,
-                    "",
-                    "Write another name.",
-                )
+                what = f"parameter {p.name} has the name of a sensed value"
+                raise RobotFileError(what, p.value.mark, "", "Write another name.")
 
 
 def _virtual(v: VirtualSpec, wheels: Iterable[Wheel], scope: Scope) -> Virtual:
-    """A virtual wheel, in the middle of the real ones where no place is given."""
+    """Return a virtual wheel. Its default position is the mean of the real wheels that it represents."""
     members = [w for w in wheels if w.name in v.wheels]
 
     def place(axis: str, quantity: Quantity | None) -> Length:
@@ -336,18 +344,20 @@ def _virtual(v: VirtualSpec, wheels: Iterable[Wheel], scope: Scope) -> Virtual:
 
 
 def _trailer(t: TrailerSpec, scope: Scope) -> Trailer:
-    """A trailer. RobotFileError for a length that is not positive."""
+    """Return a trailer. Raise RobotFileError if its length is not positive."""
     length = scope.length(t.length)
     if length.nominal.sign <= 0:
         raise RobotFileError(
             f"length of {t.name} is {t.length.text}, which is not positive", t.length.mark,
-            "A trailer turns about its axle by the lever arm `length`; without one it cannot follow.",
+            "`length` is the lever arm by which the trailer turns about its axle.",
             "Write the distance from the trailer's coupling back to its axle.",
         )  # fmt: skip
     return Trailer(t.name, length, scope.length(t.hitch), t.mark)
 
 
-_PARTS: dict[str, Callable[[RobotSpec, Scope, list[Wheel]], Any]] = {  # of a Robot
+_PARTS: dict[
+    str, Callable[[RobotSpec, Scope, list[Wheel]], Any]
+] = {  # field of Robot -> function for its value
     "virtual": lambda spec, scope, wheels: tuple(_virtual(v, wheels, scope) for v in spec.virtual),
     "trailers": lambda spec, scope, _: tuple(_trailer(t, scope) for t in spec.trailers),
     "gyro": lambda spec, scope, _: spec.gyro and gyro_of(spec.gyro, scope),

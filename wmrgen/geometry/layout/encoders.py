@@ -1,8 +1,8 @@
-"""What a robot file says of encoders, and which of them cannot show their joint.
+"""Encoders of joints, and a check that absolute encoders are unambiguous.
 
-An incremental encoder counts on from the last step, so it shows any angle, however often its counter wraps. An absolute
-one has the same reading at angles that are modulus/turn turns apart. It shows an angle if the joint's range lies
-between two of these, or if they are whole turns apart.
+An incremental encoder counts from one step to the next, so it measures any angle, however often its counter wraps. An
+absolute encoder has the same reading at angles that are modulus/turn turns apart. It is unambiguous if the range of the
+joint fits between two such angles, or if they are an integer number of turns apart.
 """
 
 from __future__ import annotations
@@ -20,19 +20,25 @@ from wmrgen.geometry.layout.records import Encoder, Robot, Wheel
 from wmrgen.geometry.ports import Reading
 from wmrgen.robotfile.records import EncoderSpec, Quantity, RobotSpec
 
-FEWEST_BITS, MOST_BITS = 8, 32
-MOST_MODULUS = 2**31  # differences of such readings are signed 32-bit integers
-ROUNDING = 1e-9  # [rad] limits of half a turn are those of half a turn
+FEWEST_BITS, MOST_BITS = 8, 32  # widths of the unsigned integers that generated code reads
+MOST_MODULUS = 2**31  # counts: differences of readings must fit into signed 32-bit integers
+ROUNDING = 1e-9  # [rad] so that limits of half a turn, which are rounded, fit into half a turn
 _COUNTS_DOWN = "Write a positive number; reversed: true says that the encoder counts down."
 
 
 def encoders_of(whose: str, encoders: Iterable[EncoderSpec], scope: Scope) -> dict[str, Encoder]:
-    """Return the encoders by joint. RobotFileError for values that no encoder has.
+    """Return the encoders by joint.
 
     Args:
-        whose: the wheel or "the robot", for messages.
-        encoders: the entries of the robot file.
-        scope: the parameters of the robot file.
+        whose: The name of the wheel, or "the robot", for messages.
+        encoders: The entries of the robot file.
+        scope: The parameters of the robot file.
+
+    Returns:
+        A mapping from joint (spin or steer) to encoder.
+
+    Raises:
+        RobotFileError: If a value is impossible for an encoder.
     """
     return {e.joint: _encoder(f"the {e.joint} encoder of {whose}", e, scope) for e in encoders}
 
@@ -63,11 +69,9 @@ def _whole(key: str, what: str, quantity: Quantity, scope: Scope, least: int, mo
 
 
 def refuse_ambiguous(spec: RobotSpec, robot: Robot) -> None:
-    """RobotFileError for each absolute encoder that shows two angles of its joint alike.
+    """Raise RobotFileError for each absolute encoder that has the same reading at two angles of its joint.
 
-    Args:
-        spec: the robot file, for the places of messages.
-        robot: the layout, couplings applied.
+    ``spec`` gives the places for messages; ``robot`` is the layout with couplings applied.
     """
     collector = ErrorCollector()
     written = {w.name: {e.joint: e for e in (*spec.encoders, *w.encoders)} for w in spec.wheels}
@@ -90,10 +94,10 @@ def _refuse_ambiguous(robot: Robot, w: Wheel, encoder: Encoder, offset: Quantity
         return
     if -half <= low + ROUNDING and high <= half + ROUNDING:
         return
-    seen = f"from {degrees(-half):.6g} to {degrees(half):.6g} deg"
+    measured = f"from {degrees(-half):.6g} to {degrees(half):.6g} deg"
     range_ = f"from {degrees(low):.6g} to {degrees(high):.6g} deg" if limit else "without limits"
     raise RobotFileError(
-        f"the absolute steer encoder of {w.name} shows angles {seen}, and {w.name} steers {range_}", offset.mark,
+        f"the absolute steer encoder of {w.name} measures angles {measured}, but {w.name} steers {range_}", offset.mark,
         f"Its reading repeats after {float(turns):.6g} turns of the joint.",
         "Write limits: {steer: …} inside that range, or delete offset: for an encoder that is read as incremental.",
     )  # fmt: skip

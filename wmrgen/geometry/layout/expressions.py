@@ -1,7 +1,8 @@
-"""Expression trees of the robot file to exact polynomials in the parameters; angles that were meant to be special.
+"""Convert expressions of the robot file to exact polynomials in the parameters, and snap angles to multiples of pi/12.
 
-An unsnapped 1.57 turns a differential drive into a robot that cannot move. Within 2e-3 rad of a multiple of pi/12 an
-angle is taken as that multiple, and a note says so; a little farther away a note says that it was kept.
+A heading of 1.57 instead of pi/2 would make a differential drive a robot that cannot move. An angle within `TOLERANCE`
+of a multiple of pi/12 is therefore replaced by that multiple, and a note reports it. An angle within `SUSPICIOUS` is
+kept, and a note reports that too.
 """
 
 from __future__ import annotations
@@ -29,42 +30,53 @@ from wmrgen.geometry.layout.records import Length
 from wmrgen.robotfile.records import Binary, Call, Expr, Neg, Num, Param, Pi, Quantity, WheelSpec
 
 PI = Poly.gen("pi")
-TOLERANCE = Fraction(1, 500)
-SUSPICIOUS = Fraction(1, 200)  # nearer than this and not snapped: a note says so
-_SAME = Fraction(1, 10**35)
-LARGEST = 10**36  # the largest number that can be written, in the largest unit, and some
+TOLERANCE = Fraction(1, 500)  # [rad] covers angles that are written with three decimals
+# [rad] a note reports that an angle this close to a multiple of pi/12 is not snapped.
+SUSPICIOUS = Fraction(1, 200)
+_SAME = Fraction(1, 10**35)  # [rad] differences below the 40 digits of rounded angles, which need no note
+LARGEST = 10**36  # SI units: above the largest number that the file format allows, in its largest unit
 _OPERATORS: dict[str, Callable[[Poly, Poly], Poly]] = {"+": add, "-": sub, "*": mul}
 _ELSE = "Change the expression or the parameters that it takes."
 
 
 class Scope(NamedTuple):
-    """The parameters that quantities are made of: ``values``, nominal, of all; ``constants``, of those not tunable."""
+    """The parameters that quantities of a robot file may use."""
 
-    values: Mapping[str, Poly]
-    constants: Mapping[str, Poly]
+    values: Mapping[str, Poly]  # nominal values of all parameters
+    constants: Mapping[str, Poly]  # values of those that are not tunable, as polynomials in the tunable ones
 
     def poly(self, quantity: Quantity | None) -> Poly:
-        """The quantity as a polynomial in its parameters; 0 where it is not given.
+        """Return the quantity as a polynomial in its parameters, or 0 if it is not given.
 
-        RobotFileError at its place for what has no value at the nominal parameters, such as a division by zero.
+        Raises:
+            RobotFileError: If the quantity has no value at the nominal parameters, such as for a division by zero.
         """
         return Poly({}) if quantity is None else to_poly(quantity, self.values)
 
     def number(self, symbolic: Poly) -> Exact:
-        """What the polynomial is worth at the nominal parameters."""
+        """Return the value of the polynomial at the nominal parameters."""
         return number(symbolic, self.values)
 
     def views(self, symbolic: Poly) -> Length:
-        """The polynomial in its three views."""
+        """Return the polynomial in its three views: symbolic, working and nominal."""
         return Length(symbolic, fix(symbolic, self.constants), self.number(symbolic))
 
     def length(self, quantity: Quantity | None) -> Length:
-        """The quantity in its three views."""
+        """Return the quantity in its three views: symbolic, working and nominal."""
         return self.views(self.poly(quantity))
 
 
 def computable(w: WheelSpec, scope: Scope, collector: ErrorCollector) -> WheelSpec:
-    """The wheel without the quantities that have no value; ``several`` takes why."""
+    """Return a wheel without the quantities that have no value.
+
+    Args:
+        w: The wheel in the robot file.
+        scope: The parameters of the robot file.
+        collector: Collects an error for each quantity without a value.
+
+    Returns:
+        The wheel with None for these quantities.
+    """
     without: dict[str, Any] = {}
     for field in fields(w):
         value = getattr(w, field.name)
@@ -77,25 +89,28 @@ def computable(w: WheelSpec, scope: Scope, collector: ErrorCollector) -> WheelSp
 
 
 def to_poly(quantity: Quantity, values: Mapping[str, Poly]) -> Poly:
-    """The quantity as a polynomial in its parameters. ``values`` decide signs and zeros."""
+    """Return the quantity as a polynomial in its parameters.
+
+    Raise RobotFileError if it has no value when the parameters have ``values``, or one above `LARGEST`.
+    """
     poly = _Conversion(values, quantity.mark).poly(quantity.expr)
     if abs(number(poly, values).rational()) > LARGEST:
         raise RobotFileError(
-            "a value beyond 1e36", quantity.mark, "No quantity of a robot is so large.", _ELSE
+            "a value above 1e36", quantity.mark, "No quantity of a robot is so large.", _ELSE
         )
     return poly
 
 
 def evaluate(quantity: Quantity, values: Mapping[str, Poly]) -> Exact:
-    """The number that the quantity is worth at the nominal parameters."""
+    """Return the value of the quantity at the nominal parameters."""
     return number(to_poly(quantity, values), values)
 
 
 class _Conversion(NamedTuple):
-    """The conversion of one quantity, which stands at ``mark``."""
+    """The conversion of one quantity to a polynomial."""
 
-    values: Mapping[str, Poly]
-    mark: Mark
+    values: Mapping[str, Poly]  # nominal values of the parameters
+    mark: Mark  # place of the quantity in the robot file
 
     def poly(self, expr: Expr) -> Poly:
         match expr:
@@ -126,7 +141,7 @@ class _Conversion(NamedTuple):
                 if number(args[0], self.values).sign < 0:
                     raise RobotFileError(
                         "square root of a negative number", self.mark,
-                        "What stands under the root is negative at the nominal parameters.", _ELSE,
+                        "The argument of the root is negative at the nominal parameters.", _ELSE,
                     )  # fmt: skip
                 return sqrt_poly(args[0])
             case "sin":
@@ -155,9 +170,16 @@ class _Conversion(NamedTuple):
 def snap(
     angle: Poly, values: Mapping[str, Poly], tunable: frozenset[str], what: str
 ) -> tuple[Poly, str | None]:
-    """The angle, or the multiple of pi/12 it stands for, and the note that says so.
+    """Snap an angle to a multiple of pi/12 if it is within `TOLERANCE` of one.
 
-    An angle that depends on a tunable parameter is left alone: it is an input.
+    Args:
+        angle: The angle [rad]. It is not snapped if it depends on a tunable parameter.
+        values: The nominal values of the parameters.
+        tunable: The names of the tunable parameters.
+        what: The wheel and the key of the angle, for the note.
+
+    Returns:
+        The angle, and a note if it was snapped or nearly so.
     """
     if parameters_in(angle) & tunable:
         return angle, None
@@ -178,12 +200,12 @@ def snap(
 
 
 def twelfths_of_pi(k: int) -> str:
-    """k pi/12 as a robot file has it: pi/2, -3*pi/4, 0."""
+    """Return k pi/12 in the notation of robot files: pi/2, -3*pi/4, 0."""
     return multiple_of_pi(Fraction(k, 12))
 
 
 def multiple_of_pi(f: Fraction) -> str:
-    """f pi as a robot file has it."""
+    """Return f pi in the notation of robot files."""
     if not f:
         return "0"
     head = {1: "pi", -1: "-pi"}.get(f.numerator, f"{f.numerator}*pi")

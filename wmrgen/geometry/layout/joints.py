@@ -1,5 +1,4 @@
-"""What a robot file says of joints and commands, as exact constants: limits, weights, deadband, noise, lag;
-and what couplings make of single wheels."""
+"""Exact constants of joints and commands (limits, weights, deadband, noise, lag), and couplings between joints."""
 
 from __future__ import annotations
 
@@ -13,24 +12,40 @@ from wmrgen.geometry.layout.expressions import Scope
 from wmrgen.geometry.layout.records import Gyro, Interval, Noise, Robot, Wheel
 from wmrgen.robotfile.records import Coupling, GyroSpec, Limit, NoiseSpec, Quantity, RobotSpec
 
-MOST_WEIGHT = 1000  # of the least: rows that count less are lost in the rounding of a float
+# Ratio to the usual weight of 1: a larger one would lose the other rows in float32 rounding.
+MOST_WEIGHT = 1000
 
 
 def constant(what: str, quantity: Quantity, scope: Scope) -> Exact:
-    """The value of what no tunable parameter may move."""
+    """Return the value of a quantity that must not depend on a tunable parameter.
+
+    Args:
+        what: The name of the quantity, for messages.
+        quantity: The quantity in the robot file.
+        scope: The parameters of the robot file.
+
+    Returns:
+        The value in SI units.
+
+    Raises:
+        RobotFileError: If the quantity depends on a tunable parameter.
+    """
     symbolic = scope.poly(quantity)
     names = sorted(parameters_in(substituted(symbolic, scope.constants)))
     if names:
         raise RobotFileError(
             f"{what} is {quantity.text}, which depends on the tunable parameter {names[0]}", quantity.mark,
-            "It is a constant of the generated code and of its proved bounds.",
+            "It must be a constant, because the generated code and its proved bounds contain it.",
             f"Write a number, or delete tunable: true of {names[0]}.",
         )  # fmt: skip
     return scope.number(symbolic)
 
 
 def limits_of(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
-    """The limits in SI units. RobotFileError where low is above high, and for one that a tunable parameter moves."""
+    """Return the limits in SI units, by quantity.
+
+    Raise RobotFileError if a lower end is above the upper end, or if a limit depends on a tunable parameter.
+    """
     collector, intervals = ErrorCollector(), {}
     for limit in limits:
         with collector:
@@ -47,50 +62,77 @@ def limits_of(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
 
 
 def weight_of(name: str, weight: Quantity, scope: Scope) -> Exact:
-    """A positive constant, not so far from the 1 of other wheels that a float loses one of them."""
+    """Return the weight of a wheel's measurements in the least squares of `forward`.
+
+    Args:
+        name: The name of the wheel, for messages.
+        weight: The quantity in the robot file.
+        scope: The parameters of the robot file.
+
+    Returns:
+        The weight, relative to the default of 1.
+
+    Raises:
+        RobotFileError: If the weight is not between 1/`MOST_WEIGHT` and `MOST_WEIGHT`.
+    """
     value = constant(f"weight of {name}", weight, scope)
     if not 1 <= value * MOST_WEIGHT <= MOST_WEIGHT**2:
         raise RobotFileError(
             f"weight of {name} is {weight.text}, not between 1/{MOST_WEIGHT} and {MOST_WEIGHT}", weight.mark,
-            "Weights are about (noise of other wheels / noise of this one)**2; rows that count next to nothing are "
-            "lost in rounding.",
-            "Write a number such as 0.25; sensed: [] leaves the wheel out.",
+            "A weight is about (noise of other wheels / noise of this wheel)**2. Rounding would hide rows with a much "
+            "smaller weight.",
+            "Write a number such as 0.25; to ignore a wheel, write sensed: [].",
         )  # fmt: skip
     return value
 
 
 def deadband_of(share: Quantity, scope: Scope) -> Exact:
-    """A share of the limits of the twist, from 0 to below 1."""
+    """Return the deadband as a fraction of the twist limits. Raise RobotFileError unless it is in [0, 1)."""
     value = constant("deadband", share, scope)
     if not ZERO <= value < ONE:
         raise RobotFileError(
             f"deadband is {share.text}, not from 0 to below 1", share.mark,
-            "It is a share of the limits of vx, vy and omega; with all of them the robot would never move.",
+            "It is a fraction of the limits of vx, vy and omega; at 1 the robot would never move.",
             "Write a number such as deadband: 0.01.",
         )  # fmt: skip
     return value
 
 
 def noise_of(noise: Iterable[NoiseSpec], scope: Scope) -> dict[str, Noise]:
-    """Standard deviations in SI units. RobotFileError for one below 0."""
+    """Return the noise of each joint as standard deviations in SI units. Raise RobotFileError for a negative one."""
 
     def deviation(joint: str, part: str, quantity: Quantity | None) -> Exact:
-        value = ZERO if quantity is None else constant(f"{part} of the noise of {joint}", quantity, scope)
-        if quantity is not None and value.sign < 0:
+        if quantity is None:
+            return ZERO
+        value = constant(f"{part} of the noise of {joint}", quantity, scope)
+        if value.sign < 0:
             raise RobotFileError(
                 f"{part} of the noise of {joint} is {quantity.text}, which is negative", quantity.mark,
                 "It is a standard deviation.", "Write 0 or a positive value.",
             )  # fmt: skip
         return value
 
-    return {
-        n.joint: Noise(*(deviation(n.joint, part, getattr(n, part)) for part in ("proportional", "constant")))
-        for n in noise
-    }
+    result = {}
+    for n in noise:
+        proportional = deviation(n.joint, "proportional", n.proportional)
+        result[n.joint] = Noise(proportional, deviation(n.joint, "constant", n.constant))
+    return result
 
 
 def lag_of(whose: str, lag: Iterable[tuple[str, Quantity]], scope: Scope) -> dict[str, Exact]:
-    """Time constants [s]. RobotFileError for one that is not positive."""
+    """Return the time constants of joints.
+
+    Args:
+        whose: The name of the wheel, or "the robot", for messages.
+        lag: Joints and their lags in the robot file.
+        scope: The parameters of the robot file.
+
+    Returns:
+        A mapping from joint to time constant [s].
+
+    Raises:
+        RobotFileError: If a time constant is not positive.
+    """
     instead = (
         "Write a time such as 150 ms, or delete the key: without a lag the angle is commanded by its rate."
     )
@@ -98,28 +140,39 @@ def lag_of(whose: str, lag: Iterable[tuple[str, Quantity]], scope: Scope) -> dic
 
 
 def positive(what: str, quantity: Quantity, scope: Scope, instead: str) -> Exact:
-    """The value of a constant. RobotFileError where it is not positive; ``instead``: what to write."""
+    """Return the value of a quantity that must be positive and must not depend on a tunable parameter.
+
+    Args:
+        what: The name of the quantity, for messages.
+        quantity: The quantity in the robot file.
+        scope: The parameters of the robot file.
+        instead: The remedy of the message: what to write.
+
+    Returns:
+        The value in SI units.
+
+    Raises:
+        RobotFileError: If the value is not positive or depends on a tunable parameter.
+    """
     value = constant(what, quantity, scope)
     if value.sign <= 0:
-        raise RobotFileError(
-            f"{what} is {quantity.text}, which is not positive", quantity.mark, "", instead
-        )  # fmt: skip
+        raise RobotFileError(f"{what} is {quantity.text}, which is not positive", quantity.mark, "", instead)
     return value
 
 
 def gyro_of(gyro: GyroSpec, scope: Scope) -> Gyro:
-    """The yaw-rate sensor. RobotFileError for noise or a weight that no sensor has."""
+    """Return the yaw-rate sensor. Raise RobotFileError if its noise or weight is impossible."""
     weight = ONE if gyro.weight is None else weight_of("the gyro", gyro.weight, scope)
     return Gyro(weight, noise_of([gyro.noise], scope)[gyro.noise.joint])
 
 
-# ---- couplings: groups that turn as one, and limits that all their members keep
+# ---- couplings: sets of joints that turn together, and their common limits
 
 _LIMITED = {"steer": ("steer", "steer_rate", "steer_acceleration"), "spin": ("spin", "spin_rate")}
 
 
 def groups(spec: RobotSpec, joint: str) -> tuple[int, ...]:
-    """Union of the coupled sets: per wheel the lowest index it is coupled to."""
+    """Return for each wheel the lowest index among the wheels that its ``joint`` (spin or steer) is coupled to."""
     names = [w.name for w in spec.wheels]
     leader = list(range(len(names)))
     for coupling in spec.couplings:
@@ -131,21 +184,27 @@ def groups(spec: RobotSpec, joint: str) -> tuple[int, ...]:
 
 
 def turn_ratios(spec: RobotSpec, joint: str, leaders: Sequence[int], scope: Scope) -> tuple[Exact, ...]:
-    """Return per wheel how far its joint turns for 1 rad of the wheel that leads its set.
+    """Return for each wheel how far its joint turns for 1 rad of the leading wheel of its coupled set.
 
     Args:
+        spec: The robot file.
         joint: spin or steer.
-        leaders: the index of the leading wheel, for each wheel.
+        leaders: For each wheel the index of its leading wheel, as from `groups`.
+        scope: The parameters of the robot file.
+
+    Returns:
+        One ratio for each wheel, 1 for a leading wheel.
 
     Raises:
-        RobotFileError: for a ratio of 0, for steering angles that are neither equal nor opposite, and if couplings
-            contradict each other.
+        RobotFileError: If a ratio is 0, if steering angles are neither equal nor opposite, or if couplings contradict
+            each other.
     """
     names = [w.name for w in spec.wheels]
     turns = dict.fromkeys(leaders, ONE)
     rest = [c for c in spec.couplings if c.joint == joint]
     while rest:
-        coupling = next(c for c in rest if any(names.index(n) in turns for n in c.wheels))
+        known = [c for c in rest if any(names.index(n) in turns for n in c.wheels)]
+        coupling = known[0]
         rest.remove(coupling)
         ratios = [_ratio(q, scope) for q in coupling.ratios] or [ONE] * len(coupling.wheels)
         if joint == "steer" and coupling.ratios:
@@ -162,13 +221,13 @@ def turn_ratios(spec: RobotSpec, joint: str, leaders: Sequence[int], scope: Scop
 
 
 def _equal_or_opposite(coupling: Coupling, ratios: Sequence[Exact]) -> None:
-    """Steering angles may be geared 1 to 1 or 1 to -1: then the angle for a twist has a closed form."""
+    """Raise RobotFileError unless coupled steering angles are equal or opposite."""
     for quantity, ratio in zip(coupling.ratios, ratios, strict=True):
         if abs(ratio) != abs(ratios[0]):
             raise RobotFileError(
                 f"steering angles in the ratio {coupling.ratios[0].text} to {quantity.text}", quantity.mark,
                 "The common angle for a twist has a closed form only if the angles are equal or opposite.",
-                "Write ratios of 1 and -1; or delete the coupling: inverse then gives each wheel the angle that fits.",
+                "Write ratios of 1 and -1; or delete the coupling, and `inverse` computes an angle for each wheel.",
             )  # fmt: skip
 
 
@@ -176,16 +235,16 @@ def _ratio(quantity: Quantity, scope: Scope) -> Exact:
     value = constant("a ratio of the coupling", quantity, scope)
     if not value:
         raise RobotFileError(
-            f"a ratio of the coupling is {quantity.text}", quantity.mark, "It is zero: that joint would stand still.",
+            f"a ratio of the coupling is {quantity.text}", quantity.mark, "At a ratio of 0 the joint would not move.",
             "Write the turns of the joint for one turn of the shaft.",
         )  # fmt: skip
     return value
 
 
 def refuse_unmodelled(spec: RobotSpec, robot: Robot) -> None:
-    """NotDerivableError for couplings through which the body's motion would depend on steering rates or on castors.
+    """Raise NotDerivableError for couplings that make the motion of the body depend on steering rates or on castors.
 
-    A steered wheel chooses its angle freely, at a rate of its own; a castor's angle and rate follow from the motion.
+    The angle of a steered wheel is commanded; the angle and rate of a castor follow from the motion.
     """
     for coupling in spec.couplings:
         sets = robot.together(coupling.joint, robot.wheels)
@@ -198,7 +257,7 @@ def refuse_unmodelled(spec: RobotSpec, robot: Robot) -> None:
             what = (
                 f"{castors[0].name}.{joint} cannot be coupled to {steered[0].name}.{joint}: "
                 f"the swivel angle of the castor {castors[0].name} follows from the motion, "
-                f"the angle of the steered wheel {steered[0].name} is chosen"
+                f"but the angle of the steered wheel {steered[0].name} is commanded"
             )
             raise NotDerivableError(
                 f"{what}\nCouple castors with castors, or write one of the two as the other type.",
@@ -207,33 +266,34 @@ def refuse_unmodelled(spec: RobotSpec, robot: Robot) -> None:
         against = [w for w in castors if joint == "steer" and w.steer_sign != castors[0].steer_sign]
         if against:
             raise NotDerivableError(
-                f"{castors[0].name}.steer and {against[0].name}.steer turn against each other, and both are castors\n"
-                "Delete the ratios: castors on one motor turn by equal angles.",
+                f"the castors {castors[0].name} and {against[0].name} are coupled to steer in opposite directions\n"
+                "Delete the ratios, so that the castors turn by equal angles.",
                 coupling.mark,
             )
         if offset and joint == "spin":
             raise NotDerivableError(
                 f"{offset[0].name}.spin cannot be coupled: {offset[0].name} is steered and has an offset_y or "
-                "per_steer, so that it also turns while it is steered, and steering alone would move the robot\n"
-                f"Leave {offset[0].name}.spin out of the coupling, or delete its offset_y and per_steer.",
+                "per_steer, so steering also spins it, and steering alone would move the robot\n"
+                f"Remove {offset[0].name}.spin from the coupling, or delete its offset_y and per_steer.",
                 coupling.mark,
             )
 
 
 def common_limits(spec: RobotSpec, robot: Robot) -> Robot:
-    """``robot`` with coupled wheels that keep the limits of all of their group.
+    """Return ``robot`` with the limits of coupled wheels replaced by those that all of them satisfy.
 
-    RobotFileError where they have no value in common.
+    Raise RobotFileError if the limits of coupled wheels have no value in common.
     """
     wheels = list(robot.wheels)
     for joint, quantity, members in _coupled(robot):
         ratios = [robot.turn_ratio(joint, w) for w in members]
-        told = [
-            (limit, k) for w, k in zip(members, ratios, strict=True) if (limit := robot.limit(w, quantity))
-        ]
-        if not told:
+        limits = []
+        for w, k in zip(members, ratios, strict=True):
+            limit = robot.limit(w, quantity)
+            if limit is not None:
+                limits.append(limit.times(ONE / k))  # as a limit of the leading wheel
+        if not limits:
             continue
-        limits = [limit.times(ONE / k) for limit, k in told]
         common = Interval(max(limit.low for limit in limits), min(limit.high for limit in limits))
         if common.low > common.high:
             mark = next(
@@ -241,16 +301,17 @@ def common_limits(spec: RobotSpec, robot: Robot) -> Robot:
             )
             raise RobotFileError(
                 f"the {quantity} limits of {' and '.join(w.name for w in members)} have no value in common", mark,
-                "Coupled wheels turn as one.", "Write limits that overlap.",
+                "Coupled wheels turn together.", "Write limits that overlap.",
             )  # fmt: skip
         for w, k in zip(members, ratios, strict=True):
-            if robot.limit(w, quantity) != (own := common.times(k)):
+            own = common.times(k)
+            if robot.limit(w, quantity) != own:
                 wheels[w.index] = replace(wheels[w.index], limits={**wheels[w.index].limits, quantity: own})
     return replace(robot, wheels=tuple(wheels))
 
 
 def _coupled(robot: Robot) -> Iterator[tuple[str, str, list[Wheel]]]:
-    """Every limited quantity of every set of coupled wheels, with the joint that is coupled."""
+    """Yield joint, limited quantity and wheels for every set of coupled wheels."""
     for joint, quantities in _LIMITED.items():
         for members in robot.together(joint, robot.wheels):
             if len(members) > 1:

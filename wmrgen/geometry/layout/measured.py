@@ -1,8 +1,9 @@
-"""Measured lengths: axles that miss one another by no more than the tolerance are taken for one.
+"""Measured lengths: align axles whose distance is within the tolerance.
 
-What fixed wheels allow hangs on whether their axle lines coincide (rank C1f): two that lie 0.4 mm apart forbid every
-turn. A wheel that is moved keeps its parameters, tunable ones too: numbers are added to its place and its heading is
-turned by a number, so that the lines coincide at the nominal values. A layout that is exact stays as it is written.
+The mobility of a robot depends on whether the axle lines of its fixed wheels coincide exactly (rank C1f): two lines
+0.4 mm apart allow no turn at all. Wheels whose axles nearly coincide are therefore moved. A moved wheel keeps its
+parameters, including tunable ones: constant numbers are added to its position and its heading, so that the axle lines
+coincide at the nominal values. An exact layout is not changed.
 """
 
 from __future__ import annotations
@@ -18,34 +19,49 @@ from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.exact.poly import Poly
 from wmrgen.geometry.layout.expressions import Scope
 from wmrgen.geometry.layout.joints import constant
-from wmrgen.geometry.layout.records import Geometry, Wheel
-from wmrgen.geometry.layout.tolerance import Near, Tolerance, rounded_up
+from wmrgen.geometry.layout.records import Geometry, Near, Tolerance, Wheel, rounded_up
 from wmrgen.geometry.notation import in_code, listed
 from wmrgen.robotfile.records import Quantity
 
 T = TypeVar("T", Poly, Exact)
-Agreed = tuple[list[Wheel], list[Near]]  # the wheels that are moved, and what is to be told
-PER_METRE = 1e-3  # of the robot's size, where the file names no tolerance
-ROUNDING = 1e-12  # of the robot's size, or rad: no distance, but what 40 digits leave
-SLACK = 1 + 1e-9  # a distance equal to the tolerance is within it, however doubles were rounded
-SLIP = 0.05  # of the robot's size, or rad: nearer axles were likely meant to be one
+Aligned = tuple[list[Wheel], list[Near]]  # the wheels that are moved, and the axles to report
+PER_METRE = 1e-3  # default tolerance per robot size [m/m]: what a tape measure gives
+ROUNDING = 1e-12  # relative to the robot's size, or rad: above the rounding of 40 digits and of doubles
+SLACK = 1 + 1e-9  # factor, so that a distance equal to the tolerance is within it in spite of rounding
+SLIP = 0.05  # relative to the robot's size, or rad: closer axles were probably meant to coincide, which is reported
 _OVER = "over the robot's size"
-_ONE_HEADING, _ONE_LINE, _ONE_PLACE = "one heading for them", "their places on one line", "one place for them"
+_ONE_HEADING, _ONE_LINE, _ONE_PLACE = (
+    "one heading for them",
+    "positions on one line for them",
+    "one position for them",
+)
 
 
 def tolerance_of(quantity: Quantity | None, wheels: Sequence[Wheel], scope: Scope) -> Tolerance:
-    """The tolerance that a file names, else 1 mm per metre of the robot's size. RobotFileError where it is negative."""
-    rims = [2 * float(w.nominal.r) for w in wheels]
-    places = [(w.pivot, w.nominal.r) for w in wheels]
-    rims += [abs(p - q) + float(r + s) for (p, r), (q, s) in combinations(places, 2)]
-    size = max(rims, default=0.0)
+    """Return the tolerance of a robot.
+
+    Args:
+        quantity: The tolerance in the robot file; None for the default of 1 mm per metre of the robot's size.
+        wheels: The wheels of the robot.
+        scope: The parameters of the robot file.
+
+    Returns:
+        The tolerance, with the size of the robot.
+
+    Raises:
+        RobotFileError: If the tolerance is negative.
+    """
+    lengths = [2 * float(w.nominal.r) for w in wheels]
+    for a, b in combinations(wheels, 2):
+        lengths.append(abs(a.pivot - b.pivot) + float(a.nominal.r + b.nominal.r))  # from rim to rim
+    size = max(lengths, default=0.0)
     if quantity is None:
         return Tolerance(PER_METRE * size, size, False)
     length = constant("tolerance", quantity, scope)
     if length < ZERO:
         raise RobotFileError(
-            f"tolerance is {quantity.text}, which is negative", quantity.mark, "It is a distance of axles.",
-            "Write a length such as tolerance: 1 mm, or tolerance: 0 for a layout that is exact.",
+            f"tolerance is {quantity.text}, which is negative", quantity.mark, "It is a distance between axles.",
+            "Write a length such as tolerance: 1 mm, or tolerance: 0 for an exact layout.",
         )  # fmt: skip
     return Tolerance(float(length), size, True)
 
@@ -53,28 +69,36 @@ def tolerance_of(quantity: Quantity | None, wheels: Sequence[Wheel], scope: Scop
 def agreed(
     wheels: Sequence[Wheel], steer_group: Sequence[int], tolerance: Tolerance
 ) -> tuple[list[Wheel], tuple[Near, ...]]:
-    """The wheels, with one heading, axle line or steering axis where theirs agree within the tolerance; and what nearly
-    agrees, within it and above."""
+    """Align headings, axle lines and steering axes that agree within the tolerance.
+
+    Args:
+        wheels: The wheels of the robot.
+        steer_group: For each wheel the index of the first wheel that its steering is coupled to.
+        tolerance: The tolerance of the robot.
+
+    Returns:
+        The wheels, and a record for each set of axles that was aligned or is only a little too far apart.
+    """
     now, near = list(wheels), list[Near]()
     fixed = [w.index for w in wheels if w.kind.fixed_axle]
     turning = [w for w in wheels if w.turns]
-    coupled = [[w.index for w in turning if steer_group[w.index] == k] for k in dict.fromkeys(steer_group)]
-    steps: list[tuple[list[int], Callable[[list[Wheel], Tolerance], Agreed]]] = [
-        *((members, _headings) for members in (fixed, *coupled)),
-        (fixed, _lines),
-        *((axis, _axis) for axis in _axes(turning, steer_group, tolerance)),
-    ]
-    for members, agreeing in steps:
-        moved, told = agreeing([now[i] for i in members], tolerance)
-        near += told
+    steps: list[tuple[list[int], Callable[[list[Wheel], Tolerance], Aligned]]] = [(fixed, _align_headings)]
+    for leader in dict.fromkeys(steer_group):
+        steps.append(([w.index for w in turning if steer_group[w.index] == leader], _align_headings))
+    steps.append((fixed, _align_axle_lines))
+    for axis in _nearly_common_axes(turning, steer_group, tolerance):
+        steps.append((axis, _align_steering_axes))
+    for members, align in steps:
+        moved, found = align([now[i] for i in members], tolerance)
+        near += found
         for w in moved:
             now[w.index] = w
     return now, tuple(near)
 
 
-def _headings(wheels: list[Wheel], tolerance: Tolerance) -> Agreed:
-    """Wheels whose axles are nearly parallel take the heading of the middle one; of two, that of the first."""
-    moved, told = list[Wheel](), list[Near]()
+def _align_headings(wheels: list[Wheel], tolerance: Tolerance) -> Aligned:
+    """Turn wheels whose axles are nearly parallel to the heading of the middle one, or of the first one of two."""
+    moved, found = list[Wheel](), list[Near]()
     groups = _parallel(wheels, tolerance.angle)
     for group in groups:
         middle = min(group[(len(group) - 1) // 2], group[len(group) // 2], key=lambda w: w.index)
@@ -86,27 +110,26 @@ def _headings(wheels: list[Wheel], tolerance: Tolerance) -> Agreed:
             text = (
                 f"the headings of {_names(group)} are {_degrees(apart)} apart, {_millimetres(length)} {_OVER}"
             )
-            told.append(
-                Near(text, _last(group), length, length, _ONE_HEADING, _steps("turned", turns, _degrees))
-            )
+            steps = _steps("turned", turns, _degrees)
+            found.append(Near(text, _last(group), length, length, _ONE_HEADING, steps))
     for one, other in combinations(groups, 2):
         apart = abs(_angle(one[0], other[0]))
         if apart < SLIP and one[0].kind.fixed_axle:
             angles = {w.index: _angle(wheels[0], w) for w in wheels}
             span = max(abs(_angle(a, b)) for a, b in combinations((*one, *other), 2))
             length = _joining(wheels, angles, one, other, tolerance.size) or span * tolerance.size
-            off = f"{_degrees(span)} off that of {_names(one)}, {_millimetres(span * tolerance.size)} {_OVER}"
-            text = f"the heading of {_names(other)} is {off}"
+            size = f"{_millimetres(span * tolerance.size)} {_OVER}"
             if span > apart + ROUNDING:
-                off = f"{_degrees(span)} apart, {_millimetres(span * tolerance.size)} {_OVER}"
-                text = f"the headings of {_names((*one, *other))} are {off}"
-            told.append(Near(text, _last(other), length, apart * tolerance.size, _ONE_HEADING))
-    return moved, told
+                text = f"the headings of {_names((*one, *other))} are {_degrees(span)} apart, {size}"
+            else:
+                text = f"the heading of {_names(other)} is {_degrees(span)} from the heading of {_names(one)}, {size}"
+            found.append(Near(text, _last(other), length, apart * tolerance.size, _ONE_HEADING))
+    return moved, found
 
 
-def _lines(fixed: list[Wheel], tolerance: Tolerance) -> Agreed:
-    """Fixed wheels of one heading whose axle lines nearly coincide take one."""
-    moved, told = list[Wheel](), list[Near]()
+def _align_axle_lines(fixed: list[Wheel], tolerance: Tolerance) -> Aligned:
+    """Move fixed wheels with the same heading whose axle lines nearly coincide onto one line."""
+    moved, found = list[Wheel](), list[Near]()
     for parallel in _parallel(fixed, 0.0):
         e = parallel[0].nominal
         ahead = {w.index: w.nominal.x * e.ch + w.nominal.y * e.sh for w in parallel}
@@ -115,28 +138,30 @@ def _lines(fixed: list[Wheel], tolerance: Tolerance) -> Agreed:
         for line in groups:
             apart = float(ahead[line[-1].index] - ahead[line[0].index])
             if apart > ROUNDING * tolerance.size:
-                to = _line([(w, ahead[w.index]) for w in line], tolerance)
-                steps = {w.name: to - ahead[w.index] for w in line}
-                moved += (_moved(w, e.ch * steps[w.name], e.sh * steps[w.name]) for w in line)
+                to = _common_line([(w, ahead[w.index]) for w in line], tolerance)
+                distances = {w.name: to - ahead[w.index] for w in line}
+                moved += (_moved(w, e.ch * distances[w.name], e.sh * distances[w.name]) for w in line)
                 text = f"the axle lines of {_names(line)} are {_millimetres(apart)} apart"
-                told.append(
-                    Near(text, _last(line), apart, apart, _ONE_LINE, _steps("moved", steps, _millimetres))
-                )
+                steps = _steps("moved", distances, _millimetres)
+                found.append(Near(text, _last(line), apart, apart, _ONE_LINE, steps))
         for one, other in pairwise(groups):
             apart = float(ahead[other[0].index] - ahead[one[-1].index])
             if apart < SLIP * tolerance.size or _side_by_side(one, other):
                 span = float(ahead[other[-1].index] - ahead[one[0].index])
-                text = f"the axle line of {_names(other)} is {_millimetres(apart)} from that of {_names(one)}"
+                text = f"the axle line of {_names(other)} is {_millimetres(apart)} from the line of {_names(one)}"
                 if span > apart + ROUNDING * tolerance.size:
                     text = f"the axle lines of {_names((*one, *other))} are {_millimetres(span)} apart"
                 enough = _joining(parallel, places, one, other) or span
-                told.append(Near(text, _last(other), enough, apart, _ONE_LINE))
-    return moved, told
+                found.append(Near(text, _last(other), enough, apart, _ONE_LINE))
+    return moved, found
 
 
-def _line(places: list[tuple[Wheel, Exact]], tolerance: Tolerance) -> Exact:
-    """How far ahead of P the axle line of several wheels is, from how far those of each are: where the first wheel is
-    that a tunable parameter moves; else at P, if all are there; else in the middle."""
+def _common_line(places: list[tuple[Wheel, Exact]], tolerance: Tolerance) -> Exact:
+    """Return the position of a common axle line along the heading, relative to P [m].
+
+    It is at the first wheel whose axle line depends on a tunable parameter. If there is none it is at P if all wheels
+    are within the tolerance of it, else at the mean of the wheels.
+    """
     tuned = [(w.index, at) for w, at in places if _tunable(w)]
     if tuned:
         return min(tuned)[1]
@@ -145,9 +170,10 @@ def _line(places: list[tuple[Wheel, Exact]], tolerance: Tolerance) -> Exact:
     return sum((at for _, at in places), ZERO) / len(places)
 
 
-def _axis(wheels: list[Wheel], tolerance: Tolerance) -> Agreed:
-    """Wheels that steer about nearly one axis take the one in the middle."""
-    x, y = (sum((getattr(w.nominal, k) for w in wheels), ZERO) / len(wheels) for k in "xy")
+def _align_steering_axes(wheels: list[Wheel], tolerance: Tolerance) -> Aligned:
+    """Move wheels that steer about nearly the same axis to their mean position."""
+    x = sum((w.nominal.x for w in wheels), ZERO) / len(wheels)
+    y = sum((w.nominal.y for w in wheels), ZERO) / len(wheels)
     moved = [_moved(w, x - w.nominal.x, y - w.nominal.y) for w in wheels]
     steps = {w.name: abs(m.pivot - w.pivot) for w, m in zip(wheels, moved, strict=True)}
     apart = max(abs(a.pivot - b.pivot) for a, b in combinations(wheels, 2))
@@ -155,8 +181,10 @@ def _axis(wheels: list[Wheel], tolerance: Tolerance) -> Agreed:
     return moved, [Near(text, _last(wheels), apart, apart, _ONE_PLACE, _steps("moved", steps, _millimetres))]
 
 
-def _axes(turning: list[Wheel], steer_group: Sequence[int], tolerance: Tolerance) -> Iterator[list[int]]:
-    """Sets of wheels that steer, or turn together, about one axis but for the tolerance."""
+def _nearly_common_axes(
+    turning: list[Wheel], steer_group: Sequence[int], tolerance: Tolerance
+) -> Iterator[list[int]]:
+    """Yield sets of wheels whose steering axes are within the tolerance of each other but do not coincide."""
     rest = turning
     while rest:
         first, *others = rest
@@ -171,12 +199,12 @@ def _axes(turning: list[Wheel], steer_group: Sequence[int], tolerance: Tolerance
 
 
 def _parallel(wheels: list[Wheel], angle: float) -> list[list[Wheel]]:
-    """Wheels in sets whose axles are parallel but for ``angle`` [rad], in the order of their headings."""
+    """Return sets of wheels whose axles are parallel within ``angle`` [rad], in the order of their headings."""
     return _grouped(wheels, {w.index: _angle(wheels[0], w) for w in wheels}, max(angle, ROUNDING))
 
 
 def _grouped(wheels: list[Wheel], values: Mapping[int, float], width: float) -> list[list[Wheel]]:
-    """The wheels in the order of values by index, in sets within which they differ by ``width`` at most."""
+    """Return the wheels sorted by ``values`` (by wheel index), in sets whose values differ by ``width`` at most."""
     groups: list[list[Wheel]] = []
     for w in sorted(wheels, key=lambda w: values[w.index]):
         if groups and values[w.index] - values[groups[-1][0].index] <= width * SLACK:
@@ -189,8 +217,11 @@ def _grouped(wheels: list[Wheel], values: Mapping[int, float], width: float) -> 
 def _joining(
     wheels: list[Wheel], values: Mapping[int, float], one: list[Wheel], other: list[Wheel], scale: float = 1.0
 ) -> float:
-    """The least distance of values, times ``scale``, that as a width of `_grouped` puts two sets into one. It is not
-    always that of their own ends: a set that begins earlier may take some of them. 0 where none does."""
+    """Return the least tolerance with which `_grouped` puts two sets of wheels into one; 0 if none does.
+
+    It may be larger than the distance of the farthest wheels, because a set that starts earlier may take some of them.
+    ``values`` are by wheel index, and ``scale`` converts their differences to metres.
+    """
     together = {w.index for w in (*one, *other)}
     distances = {abs(a - b) * scale for a, b in combinations(values.values(), 2)}
     own = max(abs(values[i] - values[j]) * scale for i, j in combinations(together, 2))
@@ -202,25 +233,26 @@ def _joining(
 
 
 def _angle(a: Wheel, b: Wheel) -> float:
-    """From the heading of a to that of b, or to the opposite one: from -pi/2 to pi/2 [rad]."""
+    """Return the angle from the heading of a to the heading of b or its opposite, in [-pi/2, pi/2] rad."""
     between = b.zero_heading / a.zero_heading
     return asin(max(-1.0, min(1.0, between.imag if between.real > 0 else -between.imag)))
 
 
 def _side_by_side(one: list[Wheel], other: list[Wheel]) -> bool:
-    """The wheels of one axle line stand all to the left of the other's, or all to the right."""
-    a, b = ([(w.pivot / one[0].zero_heading).imag for w in line] for line in (one, other))
+    """Return whether the wheels of one axle line are all to the left, or all to the right, of the other's wheels."""
+    a = [(w.pivot / one[0].zero_heading).imag for w in one]
+    b = [(w.pivot / one[0].zero_heading).imag for w in other]
     return min(a) > max(b) or min(b) > max(a)
 
 
 def _tunable(w: Wheel) -> bool:
-    """A tunable parameter moves its axle line."""
+    """Return whether the axle line depends on a tunable parameter."""
     g = w.working
     return (g.x * g.ch + g.y * g.sh).constant is None
 
 
 def _turned(w: Wheel, to: Wheel) -> Wheel:
-    """The wheel turned in its place until its axle is parallel to that of ``to``."""
+    """Return the wheel turned about its pivot until its axle is parallel to the axle of ``to``."""
     a, b = w.nominal, to.nominal
     c, s = a.ch * b.ch + a.sh * b.sh, a.ch * b.sh - a.sh * b.ch
     size = (a.ch * a.ch + a.sh * a.sh) * (ONE if c.sign > 0 else -ONE)
@@ -228,7 +260,7 @@ def _turned(w: Wheel, to: Wheel) -> Wheel:
 
 
 def _moved(w: Wheel, x: Exact, y: Exact, c: Exact = ONE, s: Exact = ZERO) -> Wheel:
-    """The wheel moved by (x, y) [m] and turned by the angle of cosine c and sine s."""
+    """Return the wheel moved by (x, y) [m] and turned by the angle with cosine c and sine s."""
 
     def view(g: Geometry[T]) -> Geometry[T]:
         return replace(g, x=g.x + x, y=g.y + y, ch=g.ch * c - g.sh * s, sh=g.sh * c + g.ch * s)
@@ -251,7 +283,7 @@ def _last(wheels: Sequence[Wheel]) -> str:
 
 
 def _steps(verb: str, sizes: Mapping[str, float | Exact], shown: Callable[[float], str]) -> str:
-    """left is moved by 0.2 mm and right by 0.2 mm: what is done to the wheels, but to those that stay."""
+    """Return "`left` is moved by 0.2 mm and `right` by 0.2 mm" for the wheels whose size is not 0."""
     (first, size), *rest = ((name, shown(abs(float(size)))) for name, size in sizes.items() if float(size))
     return listed([f"`{first}` is {verb} by {size}", *(f"`{name}` by {size}" for name, size in rest)])
 

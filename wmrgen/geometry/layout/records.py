@@ -1,7 +1,7 @@
-"""A wheel layout: every quantity exact, in three views of the same geometry.
+"""A wheel layout in exact quantities, with three views of the same geometry.
 
-``symbolic`` keeps every named parameter as a symbol, ``working`` only the tunable ones, ``nominal`` is numbers. Robot
-frame: x forward, y left, origin P. SI units, radians.
+``symbolic`` has every named parameter as a symbol, ``working`` only the tunable ones, and ``nominal`` has numbers. The
+robot frame has x forward, y left and the origin P. Units are SI, angles in radians.
 """
 
 from __future__ import annotations
@@ -10,62 +10,68 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
+from math import ceil
 from typing import Generic, NamedTuple, TypeVar
 
 from wmrgen.errors import Mark, UsageError
 from wmrgen.geometry.exact.evaluate import number, parameters_in
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.exact.poly import Poly
-from wmrgen.geometry.layout.tolerance import EXACT, Near, Tolerance
 from wmrgen.geometry.ports import GYRO, Reading
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES, WheelType
 
 T = TypeVar("T", Poly, Exact)
 U = TypeVar("U", Poly, Exact)
-_RATIOS = ("ch", "sh", "cg", "sg", "per_steer")  # the constants of a wheel that are no lengths
+_RATIOS = ("ch", "sh", "cg", "sg", "per_steer")  # the fields of `Geometry` that are not lengths
 
 
 @dataclass(frozen=True, slots=True)
 class Geometry(Generic[T]):
-    """One wheel's constants.
+    """The constants of one wheel."""
 
-    (x, y): pivot A [m]. (ch, sh): cosine and sine of the zero heading alpha + beta - pi/2.
-    (cg, sg): cosine and sine of gamma, wheel plane to roller axis at the ground. r: wheel radius [m];
-    d: castor offset along the rolling direction e [m]; o: lateral offset along n [m]; r_sw: roller radius [m].
-    per_steer: turn of the spin joint for 1 rad of steering while the wheel does not roll.
-    """
-
-    x: T
+    x: T  # pivot A [m]
     y: T
-    ch: T
+    ch: T  # cosine and sine of the zero heading alpha + beta - pi/2
     sh: T
-    cg: T
+    cg: T  # cosine and sine of gamma, the angle from the wheel plane to the roller axis at the ground
     sg: T
-    r: T
-    d: T
-    o: T
-    r_sw: T
-    per_steer: T
+    r: T  # wheel radius [m]
+    d: T  # castor offset along the rolling direction e [m]
+    o: T  # lateral offset along n [m]
+    r_sw: T  # roller radius [m]
+    per_steer: T  # rotation of the spin joint for 1 rad of steering while the wheel does not roll
 
     def mapped(self, function: Callable[[T], U]) -> Geometry[U]:
-        """Every constant put through a function."""
+        """Return the geometry with ``function`` applied to every constant."""
         return Geometry(*(function(getattr(self, f.name)) for f in fields(self)))
 
     def seen_from(self, x: Fraction, y: Fraction, unit: Fraction) -> Geometry[T]:
-        """The same wheel in a frame with its origin in (x, y) [m], and lengths in ``unit`` [m]."""
+        """Return the geometry in another frame and another unit of length.
+
+        Args:
+            x: The origin of the frame [m].
+            y: The origin of the frame [m].
+            unit: The unit of lengths [m].
+
+        Returns:
+            The same wheel with its position relative to (x, y) and all lengths in ``unit``.
+        """
         moved, per = replace(self, x=self.x - x, y=self.y - y), 1 / unit
         lengths = [f.name for f in fields(self) if f.name not in _RATIOS]
         return replace(moved, **{name: getattr(moved, name) * per for name in lengths})
 
     @property
     def rolling_radius(self) -> T:
-        """r cos gamma [m]: speed in the rolling row per spin. Without rollers gamma is 0."""
+        """r cos gamma [m], the speed in the rolling row per spin. Without rollers gamma is 0."""
         return self.r * self.cg
 
     @property
     def steer_arm(self) -> T:
-        """Speed in the rolling row per steering rate [m]: -r times the turn of the spin joint for 1 rad of steering
-        alone, by the contact beside the axis and by the gears of the drive."""
+        """Speed in the rolling row per steering rate [m].
+
+        It is -r times the rotation of the spin joint for 1 rad of steering, which has two causes: a contact that is not
+        under the steering axis, and the gears of the drive.
+        """
         return self.o - self.rolling_radius * self.per_steer
 
 
@@ -76,38 +82,37 @@ class Interval(NamedTuple):
     high: Exact
 
     def times(self, k: Exact) -> Interval:
-        """The interval of k times the quantity, k not 0."""
+        """Return the interval of k times the quantity, k not 0."""
         ends = self.low * k, self.high * k
         return Interval(*ends) if k.sign > 0 else Interval(*reversed(ends))
 
 
 class Noise(NamedTuple):
-    """What is measured of a joint has the variance (``proportional`` value)**2 + ``constant``**2, SI units."""
+    """Noise of a measurement, with the variance (``proportional`` value)**2 + ``constant``**2 in SI units."""
 
     proportional: Exact
     constant: Exact
 
 
 class Encoder(NamedTuple):
-    """A counter of a joint: ``turn`` counts per turn of the joint, negative where it counts down."""
+    """An encoder of a joint."""
 
-    turn: Exact
+    turn: Exact  # counts per turn of the joint, negative if it counts down
     reading: Reading
 
 
 class Gyro(NamedTuple):
-    """A yaw-rate sensor. ``weight``: how much it counts, in proportion to the wheels (`kinematics.sensing`)."""
+    """A yaw-rate sensor."""
 
-    weight: Exact
+    weight: Exact  # weight in the least squares of `forward`, relative to the wheels (`kinematics.sensing`)
     noise: Noise
 
 
 @dataclass(frozen=True, slots=True)
 class Wheel:
-    """A wheel of the layout, or one driven direction of a ball: two of these stand in one place, with the directions
-    for their headings. ``alpha``, ``beta``, ``gamma``, ``heading``: nominal angles [rad], for display.
+    """A wheel of the layout, or one driven direction of a ball.
 
-    ``weight``: how much its measurements count, in proportion to those of other wheels.
+    A ball with two driven directions is two wheels in the same position, with the directions as headings.
     """
 
     index: int
@@ -116,81 +121,76 @@ class Wheel:
     symbolic: Geometry[Poly]
     working: Geometry[Poly]
     nominal: Geometry[Exact]
-    l: float
-    alpha: float
+    l: float  # nominal distance from P to the pivot [m], for display as the angles below
+    alpha: float  # nominal angles [rad]
     beta: float
     gamma: float
     heading: float
-    actuated: tuple[str, ...]
-    sensed: tuple[str, ...]
-    limits: dict[str, Interval]
+    actuated: tuple[str, ...]  # joints: spin, steer
+    sensed: tuple[str, ...]  # joints: spin, steer
+    limits: dict[str, Interval]  # quantity, as in `Robot.limit` -> limits
+    # Weight of its measurements in the least squares of `forward`, relative to other wheels.
     weight: Exact = ONE
     noise: Mapping[str, Noise] = field(default_factory=dict)
     encoders: Mapping[str, Encoder] = field(default_factory=dict)
     lag: Mapping[str, Exact] = field(default_factory=dict)  # joint -> time constant [s]
-    steer_sign: int = (
-        1  # its steering angle for 1 rad of the wheel that leads its coupled set: 1, or -1 against it
-    )
-    ball: str = ""  # of a driven direction of a ball: the ball's name in the robot file
+    steer_sign: int = 1  # steering angle for 1 rad of the leading wheel of its coupled set: 1 or -1
+    ball: str = ""  # for a driven direction of a ball, the name of the ball in the robot file
 
     @property
     def kind(self) -> WheelType:
-        """What the wheel's type says of it."""
+        """The wheel type; for a driven direction of a ball, the type of a powered ball."""
         kind = WHEEL_TYPES[self.type]
         return kind.powered if self.ball and kind.powered else kind
 
     @property
     def has_spin(self) -> bool:
-        """It rolls about an axle."""
+        """Whether the wheel rolls about an axle."""
         return self.kind.has_spin
 
     @property
     def turns(self) -> bool:
-        """Its rolling direction is a joint."""
+        """Whether the rolling direction is a joint angle."""
         return self.kind.turns
 
     @property
     def rolls_when_steered(self) -> bool:
-        """Steering alone turns its spin joint, and `inverse` chooses its angle: see `Geometry.steer_arm`."""
+        """Whether steering a commanded wheel also turns its spin joint: see `Geometry.steer_arm`."""
         return self.kind.steers and bool(self.nominal.steer_arm)
 
     @property
     def pivot(self) -> complex:
-        """Where it stands at nominal parameters: x + iy [m]."""
+        """The position of the pivot at nominal parameters: x + iy [m]."""
         return complex(float(self.nominal.x), float(self.nominal.y))
 
     @property
     def zero_heading(self) -> complex:
-        """The rolling direction at joint angle zero, a point of the unit circle, at nominal parameters."""
+        """The rolling direction at joint angle zero and nominal parameters, a point of the unit circle."""
         return complex(float(self.nominal.ch), float(self.nominal.sh))
 
     def contact(self, heading: complex) -> complex:
-        """Where it touches the ground [m] when it rolls along ``heading``: A + d e + o n, at nominal parameters."""
+        """Return the contact point A + d e + o n [m] for a rolling direction ``heading``, at nominal parameters."""
         return self.pivot + complex(float(self.nominal.d), float(self.nominal.o)) * heading
 
     def commands(self, joint: str) -> bool:
-        """Whether ``joint``, spin or steer, is commanded: it is driven, or its angle is chosen."""
+        """Return whether ``joint`` is commanded: it is actuated, or it is the steering of a steered wheel."""
         return joint in self.actuated or (joint == "steer" and self.kind.steers)
 
 
 class Parameter(NamedTuple):
-    """A named length or angle; pi is kept.
-
-    ``working`` refers to tunable parameters alone (to itself where it is tunable), ``value`` to none. A tunable one may
-    be anything from ``low`` to ``high``, which is ``nominal`` for others.
-    """
+    """A named length or angle."""
 
     name: str
-    value: Poly
-    working: Poly
+    value: Poly  # a polynomial in pi alone
+    working: Poly  # a polynomial in tunable parameters; the parameter itself if it is tunable
     nominal: Exact
     tunable: bool
-    low: Exact
-    high: Exact
+    low: Exact  # lower end of the range; the nominal value if the parameter is not tunable
+    high: Exact  # upper end of the range
 
 
 class Length(NamedTuple):
-    """One quantity in the three views."""
+    """One quantity in three views."""
 
     symbolic: Poly
     working: Poly
@@ -203,45 +203,41 @@ class Length(NamedTuple):
 
 
 class Need(NamedTuple):
-    """What tunable parameters must keep: ``value``, a polynomial of them, positive (``strict``) or not negative.
+    """A condition on tunable parameters."""
 
-    ``problem``: what is wrong where it is not; ``mark``: where the robot file has the value.
-    """
-
-    value: Poly
-    strict: bool
-    problem: str
-    mark: Mark
+    value: Poly  # a polynomial in the tunable parameters
+    strict: bool  # it must be positive; else it must not be negative
+    problem: str  # what is wrong if the condition does not hold
+    mark: Mark  # place of the value in the robot file
 
     def broken_at(self, values: Mapping[str, Exact]) -> bool:
-        """Whether it does not hold for these values of the tunable parameters."""
+        """Return whether the condition does not hold for these values of the tunable parameters."""
         value = number(self.value, {name: Poly.of(v) for name, v in values.items()})
         return value.sign < 0 or (self.strict and not value)
 
     def where(self, values: Mapping[str, Exact]) -> str:
-        """``radius = 0 and track = 0.4``: those of the values that it depends on."""
+        """Return ``radius = 0 and track = 0.4`` for those values that the condition depends on."""
         own = sorted(parameters_in(self.value), key=[*values].index)
         return " and ".join(f"{name} = {float(values[name]):.6g}" for name in own)
 
 
 @dataclass(frozen=True, slots=True)
 class Trailer:
-    """A trailer: ``length`` [m] from its coupling to its axle, ``hitch`` [m] from the axle in front to the coupling."""
+    """A trailer."""
 
     name: str
-    length: Length
-    hitch: Length
+    length: Length  # from its coupling back to its axle [m]
+    hitch: Length  # from the axle in front back to the coupling [m]
     mark: Mark
 
 
 class Virtual(NamedTuple):
-    """A wheel that is not there, at (x, y): its angle (``steers``) or its speed (``drives``) stands for those of
-    ``wheels``. Its heading at zero steering is that of the first of them."""
+    """A virtual wheel, whose angle or speed represents the angles or speeds of several real wheels."""
 
     name: str
-    role: str  # steers drives
-    wheels: tuple[str, ...]
-    x: Length
+    role: str  # "steers": its angle represents the wheels; "drives": its speed does
+    wheels: tuple[str, ...]  # the real wheels; at zero steering it has the heading of the first one
+    x: Length  # position [m]
     y: Length
     mark: Mark
 
@@ -254,70 +250,119 @@ class Point(NamedTuple):
     z: Length
 
 
+class Tolerance(NamedTuple):
+    """The tolerance within which axles are treated as one."""
+
+    length: float  # [m] axles at this distance or less are treated as one
+    size: float  # [m] size of the robot: the largest distance from the rim of one wheel to the rim of another
+    written: bool  # the robot file gives the length
+
+    @property
+    def angle(self) -> float:
+        """The angle [rad] whose tangent is the tolerance over the robot's size."""
+        return self.length / self.size if self.size else 0.0
+
+    def __str__(self) -> str:
+        default = "" if self.written else " (1 mm per metre of the robot's size)"
+        return f"the tolerance of {1000 * self.length:.3g} mm{default}"
+
+
+EXACT = Tolerance(0.0, 0.0, True)
+
+
+class Near(NamedTuple):
+    """Axles that nearly coincide."""
+
+    text: str  # the clause that names the wheels, in backticks, and the distance of their axles
+    wheel: str  # the last of the wheels
+    tolerance: float  # [m] the least tolerance that treats them as one: the distance of the farthest two
+    apart: float  # [m] distance between those sets of them that already coincide
+    instead: str  # what to write in the robot file to make the axles coincide
+    moves: str = ""  # how the wheels were moved; "" if they are farther apart than the robot's tolerance
+
+    def sentence(self, tolerance: Tolerance) -> str:
+        """Return a sentence about these axles and the robot's tolerance, without a full stop."""
+        if self.moves:
+            return f"{self.text}, within {tolerance}, and are treated as one: {self.moves}"
+        equal_in_print = self.tolerance < 1.005 * tolerance.length  # both have three digits in the sentence
+        return f"{self.text}, {'a little ' if equal_in_print else ''}more than {tolerance}"
+
+    @property
+    def remedies(self) -> str:
+        """What to write in the robot file, as a sentence."""
+        if self.moves:
+            return f"Write {self.instead}; or write tolerance: 0 to keep them apart."
+        enough = f"{1000 * rounded_up(self.tolerance):.6g} mm"
+        return f"If they share one axle, write {self.instead}, or write tolerance: {enough} to treat them as one."
+
+
+def rounded_up(length: float) -> float:
+    """Round a length [m] up to hundredths of a millimetre, for the proposal of a tolerance."""
+    return max(1, ceil(round(length * 1e5, 6))) / 1e5
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Robot:
-    """A layout, ready for derivation.
-
-    ``steer_group`` and ``spin_group`` give, per wheel index, the first wheel of its coupled set
-    (itself when uncoupled), ``spin_ratios`` its spin for a spin of 1 of that wheel. ``notes``, names in
-    backticks, are the snaps made. ``deadband``: share of the limits of the twist that counts as standstill. ``near``:
-    axles that are nearly one, those taken for one within the ``tolerance`` among them. ``needs``: of the tunable
-    parameters, those of parts of a value before those of the whole.
-    """
+    """The exact layout of a robot, ready for derivation."""
 
     name: str
     description: str
     source: str
     parameters: tuple[Parameter, ...]
     wheels: tuple[Wheel, ...]
+    # For each wheel the index of the first wheel that its steering is coupled to.
     steer_group: tuple[int, ...]
-    spin_group: tuple[int, ...]
-    couplings: tuple[tuple[str, tuple[str, ...]], ...]
+    spin_group: tuple[int, ...]  # for each wheel the index of the first wheel that its spin is coupled to
+    couplings: tuple[tuple[str, tuple[str, ...]], ...]  # joint, names of wheels
+    # For each wheel its spin when the first wheel of its coupled set has a spin of 1.
     spin_ratios: tuple[Exact, ...]
     limits: dict[str, Interval]
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  # sentences about snapped angles and aligned axles, with names in backticks
     virtual: tuple[Virtual, ...] = ()
     trailers: tuple[Trailer, ...] = ()
-    slip: bool = False
-    precise: bool = False  # velocities of pivots as sums that are compensated: see `kinematics.pivots`
-    cg: Point | None = None
+    slip: bool = False  # the slips of wheels are columns of the Pfaffian matrix
+    precise: bool = False  # velocities of pivots are compensated sums: see `kinematics.pivots`
+    cg: Point | None = None  # centre of gravity
     gains: dict[str, Length] = field(default_factory=dict)
-    deadband: Exact = ZERO
+    deadband: Exact = ZERO  # fraction of the twist limits below which the robot stands still
     effective_track: Length | None = None  # see `layout.skid`
     functions: tuple[str, ...] = ()
-    noise: Mapping[str, Noise] = field(default_factory=dict)
+    noise: Mapping[str, Noise] = field(default_factory=dict)  # joint -> noise of wheels without their own
+    # Joint -> encoder of wheels without their own.
     encoders: Mapping[str, Encoder] = field(default_factory=dict)
+    # Joint -> time constant [s] of wheels without their own.
     lag: Mapping[str, Exact] = field(default_factory=dict)
     gyro: Gyro | None = None
     tolerance: Tolerance = EXACT
-    near: tuple[Near, ...] = ()
-    needs: tuple[Need, ...] = ()
+    near: tuple[Near, ...] = ()  # axles that nearly coincide, within the tolerance or not
+    needs: tuple[Need, ...] = ()  # conditions on tunable parameters, parts of a value before the whole
 
     @property
     def bodies(self) -> tuple[Wheel, ...]:
-        """The wheels, of the driven directions of a ball the first."""
+        """The wheels, with only the first driven direction of each ball."""
         return tuple({w.ball or w.name: w for w in reversed(self.wheels)}.values())[::-1]
 
     def __repr__(self) -> str:
-        """``<Robot pioneer3dx: 2 fixed, 1 castor>``"""
+        """Return ``<Robot pioneer3dx: 2 fixed, 1 castor>``."""
         types = Counter(w.type for w in self.wheels)
         return f"<Robot {self.name}: {', '.join(f'{n} {name}' for name, n in types.items())}>"
 
     @property
     def tunable(self) -> tuple[Parameter, ...]:
-        """The parameters that stay inputs of the generated code."""
+        """The parameters that are inputs of the generated code."""
         return tuple(p for p in self.parameters if p.tunable)
 
     def refuse(self, values: Mapping[str, Exact]) -> None:
-        """UsageError where tunable parameters have values for which the robot has no geometry; those that are not among
-        ``values`` are nominal."""
-        of = {p.name: values.get(p.name, p.nominal) for p in self.tunable}
-        if any(of[p.name] != p.nominal for p in self.tunable):
+        """Raise UsageError if the robot has no geometry for these values of tunable parameters.
+
+        Parameters that are not in ``values`` are nominal.
+        """
+        every = {p.name: values.get(p.name, p.nominal) for p in self.tunable}
+        if any(every[p.name] != p.nominal for p in self.tunable):
             for need in self.needs:
-                if need.broken_at(of):
-                    raise UsageError(
-                        f"with {need.where(of)}: {need.problem} ({need.mark}). Write other values."
-                    )
+                if need.broken_at(every):
+                    problem = f"with {need.where(every)}: {need.problem} ({need.mark})"
+                    raise UsageError(f"{problem}. Write other values.")
 
     @property
     def in_symbols(self) -> Robot:
@@ -342,17 +387,18 @@ class Robot:
         return {p.name: p.working for p in self.parameters if not p.tunable}
 
     def limit(self, wheel: Wheel, quantity: str) -> Interval | None:
-        """The wheel's own limit of ``steer``, ``steer_rate``, ``steer_acceleration``, ``spin`` or ``spin_rate``, else
-        the robot's.
+        """Return the limit of ``steer``, ``steer_rate``, ``steer_acceleration``, ``spin`` or ``spin_rate`` of a wheel.
 
-        The robot's is a limit of commands: a joint that turns along has none but its own.
+        It is the wheel's own limit. If there is none, it is the robot's limit, but only for commanded joints.
         """
         joint = quantity.partition("_")[0]
         return wheel.limits.get(quantity) or (self.limits.get(quantity) if wheel.commands(joint) else None)
 
     def limit_of(self, name: str) -> Interval | None:
-        """The limit of a quantity by its contract name: ``vx``, ``gyro`` as omega has one, or ``left.spin`` as `limit`
-        has it."""
+        """Return the limit of a quantity by its contract name, such as ``vx`` or ``left.spin`` (see `limit`).
+
+        ``gyro`` has the limit of omega.
+        """
         owner, _, quantity = name.rpartition(".")
         if name == GYRO.name:
             return self.limits.get("omega") if self.gyro else None
@@ -361,19 +407,19 @@ class Robot:
         return next((self.limit(w, quantity) for w in self.wheels if w.name == owner), None)
 
     def noise_of(self, wheel: Wheel, joint: str) -> Noise | None:
-        """The wheel's own noise of ``spin``, ``steer`` or ``steer_rate``, else the robot's."""
+        """Return the noise of ``spin``, ``steer`` or ``steer_rate``: the wheel's own, else the robot's."""
         return wheel.noise.get(joint) or self.noise.get(joint)
 
     def encoder_of(self, wheel: Wheel, joint: str) -> Encoder | None:
-        """The encoder of a wheel's ``spin`` or ``steer``: its own, else the robot's where the joint is sensed."""
+        """Return the encoder of ``spin`` or ``steer``: the wheel's own, else the robot's if the joint is sensed."""
         return wheel.encoders.get(joint) or (self.encoders.get(joint) if joint in wheel.sensed else None)
 
     def lag_of(self, wheel: Wheel, joint: str) -> Exact | None:
-        """The time constant [s] of a wheel's joint: its own, else the robot's; None where it follows at once."""
+        """Return the time constant [s] of a wheel's joint: its own, else the robot's; None if there is no lag."""
         return wheel.lag.get(joint) or self.lag.get(joint)
 
     def together(self, joint: str, wheels: Iterable[Wheel]) -> list[list[Wheel]]:
-        """``wheels`` in the sets whose ``joint``, spin or steer, is coupled; a wheel alone is a set of one."""
+        """Return ``wheels`` in sets whose ``joint`` (spin or steer) is coupled; an uncoupled wheel is a set of one."""
         leaders = self.spin_group if joint == "spin" else self.steer_group
         sets: dict[int, list[Wheel]] = {}
         for w in wheels:
@@ -381,27 +427,27 @@ class Robot:
         return list(sets.values())
 
     def partners(self, wheel: Wheel) -> list[Wheel]:
-        """The wheels that steer as one with ``wheel``, itself among them."""
+        """Return the wheels whose steering is coupled to that of ``wheel``, including itself."""
         group = self.steer_group
         return [w for w in self.wheels if group[w.index] == group[wheel.index]]
 
     def spin_ratio(self, wheel: Wheel) -> Exact:
-        """The spin of a wheel for a spin of 1 of the first that it is coupled to."""
+        """Return the spin of a wheel when the first wheel that it is coupled to has a spin of 1."""
         return self.spin_ratios[wheel.index]
 
     def per_turn(self, wheel: Wheel, g: Geometry[T]) -> T:
-        """What the wheel rolls per radian that the first of its coupled set turns [m]."""
+        """Return the distance [m] that a wheel rolls per radian of the first wheel that it is coupled to."""
         return g.rolling_radius * self.spin_ratio(wheel)
 
     def turn_ratio(self, joint: str, wheel: Wheel) -> Exact:
-        """How far the ``joint`` of a wheel, spin or steer, turns for 1 rad of the first that it is coupled to."""
+        """Return how far a ``joint`` (spin or steer) turns for 1 rad of the first wheel that it is coupled to."""
         return self.spin_ratio(wheel) if joint == "spin" else Exact(wheel.steer_sign)
 
     def ratios(self, joint: str, names: Sequence[str]) -> tuple[Exact, ...]:
-        """The turns of a coupled ``joint`` of these wheels for 1 rad of the first; none where they are equal."""
+        """Return how far a coupled ``joint`` of each wheel turns for 1 rad of the first one; () if all are equal."""
         turns = [self.turn_ratio(joint, self.wheel(name)) for name in names]
         return tuple(k / turns[0] for k in turns) if len(set(turns)) > 1 else ()
 
     def wheel(self, name: str) -> Wheel:
-        """The wheel called ``name``. KeyError when there is none."""
+        """Return the wheel called ``name``. Raise KeyError if there is none."""
         return {w.name: w for w in self.wheels}[name]

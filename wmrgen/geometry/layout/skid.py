@@ -1,9 +1,9 @@
-"""Robots that turn by skidding, with the track that is measured of how they turn.
+"""Skid-steer robots, modelled as a differential drive with an effective track.
 
-Fixed wheels on several parallel axles cannot all roll in a curve. On even ground such a robot turns as a differential
-drive does whose track is larger: its effective track (Martínez, Mandow, Morales, Pedraza, García-Cerezo 2005 measure
-it as the distance between the centres of rotation of left and right wheels). The wheels of a side stand for one wheel.
-Steered wheels beside them keep their places: they point along the motion that the differential drive leaves.
+Fixed wheels on several parallel axles cannot all roll in a curve. On even ground such a robot turns like a differential
+drive with a larger track, its effective track: the distance between the instantaneous centres of rotation of the left
+and the right wheels (Martínez, Mandow, Morales, Pedraza, García-Cerezo 2005). The wheels of each side are replaced by
+one virtual wheel. Steered wheels keep their positions and steer along the motion of the differential drive.
 """
 
 from __future__ import annotations
@@ -20,14 +20,26 @@ from wmrgen.geometry.layout.expressions import Scope
 from wmrgen.geometry.layout.records import Geometry, Length, Robot, Wheel
 from wmrgen.robotfile.records import Quantity
 
-_PARALLEL = 1e-9  # sine of the angle between axles that are taken for parallel
-_MIDDLE = 1e-6  # of the track: as far from the middle a wheel is on neither side
+_PARALLEL = 1e-9  # sine of the angle between axles: above the rounding of doubles
+_MIDDLE = 1e-6  # relative to the track: a wheel closer to the middle is on neither side
 _LEFT, _RIGHT = 1, -1
 T = TypeVar("T", Poly, float)
 
 
 def effective_track(quantity: Quantity | None, scope: Scope, wheels: Sequence[Wheel]) -> Length | None:
-    """The track in its views. RobotFileError where it is not positive, and for wheels that do not turn by skidding."""
+    """Return the effective track of a robot.
+
+    Args:
+        quantity: The effective track in the robot file; None if there is none.
+        scope: The parameters of the robot file.
+        wheels: The wheels of the robot.
+
+    Returns:
+        The track [m] in its views, or None.
+
+    Raises:
+        RobotFileError: If the track is not positive, or if a robot with these wheels has no effective track.
+    """
     if quantity is None:
         return None
     track = scope.length(quantity)
@@ -42,31 +54,31 @@ def effective_track(quantity: Quantity | None, scope: Scope, wheels: Sequence[Wh
 
 
 def no_track(wheels: Sequence[Wheel]) -> tuple[str, str]:
-    """Which robot of these wheels cannot have an effective track, and why; nothing where it can."""
+    """Return why a robot with these wheels has no effective track, as what and why of an error; "" if it has one."""
     fixed = [w for w in wheels if w.kind.fixed_axle]
     across = [w for w in wheels if w.kind.rolls_across]
     if across:
         what = f"effective_track of a robot with the {across[0].kind.noun} {across[0].name}"
-        return what, "It says how a robot turns whose wheels cannot move across their rolling direction."
-    if not parallel([w.zero_heading for w in fixed]):
         return (
-            "effective_track of a robot whose fixed wheels are not parallel",
-            "They have no left and right.",
+            what,
+            "It describes robots that turn by skidding, and this wheel moves sideways without skidding.",
         )
+    if not parallel([w.zero_heading for w in fixed]):
+        what = "effective_track of a robot whose fixed wheels are not parallel"
+        return what, "The wheels have no left and right side."
     if not fixed or not {*sides([w.pivot for w in fixed], fixed[0].zero_heading)} >= {_LEFT, _RIGHT}:
-        what = "effective_track of a robot with fixed wheels on one side alone"
+        what = "effective_track of a robot with fixed wheels on one side at most"
         return what, "It is the distance between left and right wheels."
     return "", ""
 
 
 def parallel(headings: Sequence[complex]) -> bool:
-    """Whether wheels of these headings, points of the unit circle, point the same way, forwards or backwards."""
+    """Return whether wheels are parallel, given their headings as points of the unit circle."""
     return all(abs((h * headings[0].conjugate()).imag) < _PARALLEL for h in headings)
 
 
 def sides(pivots: Sequence[complex], heading: complex) -> list[int]:
-    """On which side of the middle each of parallel wheels stands, seen along ``heading``: 1 left, -1 right, 0
-    neither."""
+    """Return the side of each of several parallel wheels, seen along ``heading``: 1 left, -1 right, 0 neither."""
     across = [(pivot * heading.conjugate()).imag for pivot in pivots]
     middle, width = (max(across) + min(across)) / 2, max(across) - min(across)
     return [0 if abs(y - middle) <= _MIDDLE * width else _LEFT if y > middle else _RIGHT for y in across]
@@ -75,22 +87,37 @@ def sides(pivots: Sequence[complex], heading: complex) -> list[int]:
 def placed(
     points: Sequence[tuple[T, T]], heading: tuple[T, T], own: Sequence[int], track: T
 ) -> list[tuple[T, T]]:
-    """Where fixed wheels, at ``points`` on the sides ``own``, count as standing in the differential drive: ``track``
-    apart about the middle of the sides, at the mean of the wheels along the unit vector ``heading``."""
+    """Return the positions of fixed wheels in the equivalent differential drive.
+
+    They are ``track`` apart about the middle between the sides, at the mean position of the wheels along the heading.
+
+    Args:
+        points: The positions of the wheels [m].
+        heading: Cosine and sine of the heading of the wheels.
+        own: The side of each wheel, as from `sides`.
+        track: The effective track [m].
+
+    Returns:
+        One position [m] for each wheel.
+    """
     c, s = heading
     ahead = _mean([x * c + y * s for x, y in points])
-    rows = [
-        [y * c - x * s for (x, y), k in zip(points, own, strict=True) if k == side]
-        for side in (_LEFT, _RIGHT)
-    ]
-    middle = _mean([_mean(row) for row in rows if row])
+    centres = []
+    for side in (_LEFT, _RIGHT):
+        row = [y * c - x * s for (x, y), k in zip(points, own, strict=True) if k == side]
+        if row:
+            centres.append(_mean(row))
+    middle = _mean(centres)
     across = [middle + track * Fraction(k, 2) for k in own]
     return [(ahead * c - y * s, ahead * s + y * c) for y in across]
 
 
 def driven(robot: Robot) -> Robot:
-    """What wheel speeds and motion follow from: the robot itself, or where it has an effective track, the differential
-    drive that turns as it does. Its axle stands at the mean of the wheels, in the middle between the sides."""
+    """Return the robot from which kinematics are derived.
+
+    It is the robot itself, or the equivalent differential drive if there is an effective track. The axle of that drive
+    is at the mean of the wheels, in the middle between the sides.
+    """
     track = robot.effective_track
     if track is None:
         return robot
@@ -107,7 +134,7 @@ def driven(robot: Robot) -> Robot:
 
 
 def _placed(robot: Robot, view: Callable[[Wheel], Geometry[Poly]], track: Poly) -> dict[int, Geometry[Poly]]:
-    """Wheel index -> geometry in a view, at the place where the fixed wheel counts as standing."""
+    """Return the geometry of each fixed wheel at its position in the differential drive, by wheel index."""
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
     seen = [view(w) for w in fixed]
     own = sides([w.pivot for w in fixed], fixed[0].zero_heading)

@@ -11,9 +11,8 @@ from wmrgen.analysis.mobility.records import Singularity
 from wmrgen.geometry.constraints import nominal_view, rolling_row
 from wmrgen.geometry.exact.number import ZERO
 from wmrgen.geometry.layout.measured import SLIP
-from wmrgen.geometry.layout.records import Robot
+from wmrgen.geometry.layout.records import Near, Robot
 from wmrgen.geometry.layout.skid import no_track, parallel
-from wmrgen.geometry.layout.tolerance import Near
 from wmrgen.geometry.notation import listed, plain
 from wmrgen.tools.lint.record import PAIR, Finding, Subject, rule
 

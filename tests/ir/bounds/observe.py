@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmrgen.ir.bounds.lengths import lengths as vectors
+from wmrgen.ir.bounds.patterns import lengths as vectors
 from wmrgen.ir.nodes import Function, Node, Op, places
 from wmrgen.ir.rounding import to_float32, to_float64
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from tests.ir.bounds.observe import CHOICE, Ranges, bred, choices, draw, lengths, nudged, run
 from wmrgen.ir.bounds.assumptions import LIBM, SINGLE
-from wmrgen.ir.bounds.lengths import lengths as vectors
+from wmrgen.ir.bounds.patterns import lengths as vectors
 from wmrgen.ir.bounds.robot import FunctionBound
 from wmrgen.ir.bounds.walk import Walk
 from wmrgen.ir.nodes import Function, pruned

@@ -13,7 +13,7 @@ from tests.ir.bounds.small import walked
 from tests.ir.bounds.vectors import CASES, RANGES, STILL, function, heading_of, points
 from wmrgen.ir.bounds.analysis import analysed
 from wmrgen.ir.bounds.assumptions import LIBM
-from wmrgen.ir.bounds.lengths import SMALL_ANGLE, facts, lengths, share
+from wmrgen.ir.bounds.patterns import SMALL_ANGLE, facts, lengths
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op
 
@@ -30,10 +30,13 @@ def test_errors_hold_at_every_length(name: str) -> None:
         for claim, k in zip(found.claims, f.results, strict=True):
             single, exact = both.single[k].astype(np.float64), both.exact[k]
             assert claim.low <= single.min() and single.max() <= claim.high
-            counts = h >= SMALL_ANGLE * claim.rho
-            assert not claim.rho or np.abs(vector.value(_wide(both.single)) - h).max() <= claim.rho
+            counts = h >= SMALL_ANGLE * claim.length_error
+            assert (
+                not claim.length_error
+                or np.abs(vector.value(_wide(both.single)) - h).max() <= claim.length_error
+            )
             with np.errstate(all="ignore"):
-                allowed = claim.error + claim.over / h
+                allowed = claim.error + claim.per_length / h
             assert counts.sum() > 1000
             assert (np.abs(single - exact) <= allowed)[counts].all()
 
@@ -42,8 +45,8 @@ def test_errors_hold_at_every_length(name: str) -> None:
 def test_what_is_multiplied_by_the_vector_has_a_bound_of_its_own(name: str) -> None:
     """The angle is off by a part of 1 / h; what is a component of the vector is not."""
     angle, component = analysed(function(CASES[name]), RANGES, LIBM).claims
-    assert 1e-7 < angle.over < 2e-5 and angle.error < 1e-5
-    assert component.over < 1e-20 and component.error < 3e-5
+    assert 1e-7 < angle.per_length < 2e-5 and angle.error < 1e-5
+    assert component.per_length < 1e-20 and component.error < 3e-5
 
 
 @pytest.mark.parametrize("factor", [Fraction(1, 4), Fraction(-3)])
@@ -67,7 +70,7 @@ def test_another_value_does_not_cancel_the_length() -> None:
         return [b.mul(x, b.cos(heading))]
 
     (claim,) = analysed(function(make), RANGES, LIBM).claims
-    assert claim.over > 1e-7
+    assert claim.per_length > 1e-7
 
 
 def test_an_angle_of_an_angle_has_no_bound() -> None:
@@ -160,12 +163,12 @@ def test_shares_hold_where_a_limit_does_not_take_the_place_of_a_slope() -> None:
     inside, known = np.abs(both.exact[at]) <= 0.5, 0  # the quotient of z
     h = length.value(both.exact)[inside]
     for i in range(len(f.nodes)):
-        bound = share(w, length, i)
+        bound = w.share_of_length(length, i)
         if bound is not None:
             known += 1
             assert (np.abs(both.exact[i])[inside] <= bound[0] * h + bound[1] + 1e-30).all()
     (z,) = (i for i, n in enumerate(f.nodes) if n.name == "z")
-    known_of_z = share(w, length, z)
+    known_of_z = w.share_of_length(length, z)
     assert known >= 6 and known_of_z is not None and known_of_z[0] == pytest.approx(0.5, rel=1e-3)
 
 
@@ -177,7 +180,7 @@ def test_shares_hold() -> None:
     both = run(f, points(9))
     h, known = length.value(both.exact), 0
     for i in range(len(f.nodes)):
-        bound = share(w, length, i)
+        bound = w.share_of_length(length, i)
         if bound is not None:
             known += 1
             assert (np.abs(both.exact[i]) <= bound[0] * h + bound[1] + 1e-30).all()

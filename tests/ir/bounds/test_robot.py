@@ -57,7 +57,7 @@ def test_a_printed_claim_holds_the_claim() -> None:
     assert (o.name, o.unit, o.singular) == ("left.spin", "rad/s", False)
     assert (o.low, o.high) == (-2.00001, 3.00001) and (o.error, o.per_length) == (1.23457e-7, 3.00001e-9)
     assert o.from_length == pytest.approx(64e-4, rel=1e-5) and o.from_length >= 64e-4
-    assert _output(claim._replace(singular=True, rho=0.0), "x", "").singular
+    assert _output(claim._replace(singular=True, length_error=0.0), "x", "").singular
 
 
 @pytest.mark.parametrize(

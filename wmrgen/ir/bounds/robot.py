@@ -15,7 +15,7 @@ from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.ports import overshot
 from wmrgen.ir.bounds.analysis import Claim, Outcomes, analysed
 from wmrgen.ir.bounds.assumptions import LIBM, Domain, Library, Range, domain
-from wmrgen.ir.bounds.lengths import SMALL_ANGLE
+from wmrgen.ir.bounds.patterns import SMALL_ANGLE
 from wmrgen.ir.calls import hand_through, inline_prepare, inlined_calls
 from wmrgen.ir.nodes import Function, Module
 
@@ -149,8 +149,8 @@ def _add_steering(where: Domain) -> None:
 
 def _output(claim: Claim, name: str, unit: str) -> OutputBound:
     return OutputBound(
-        name, unit, _up(claim.low, -1), _up(claim.high), _up(claim.error), _up(claim.over),
-        _up(SMALL_ANGLE * claim.rho), claim.singular,
+        name, unit, _up(claim.low, -1), _up(claim.high), _up(claim.error), _up(claim.per_length),
+        _up(SMALL_ANGLE * claim.length_error), claim.singular,
     )  # fmt: skip
 
 

@@ -42,7 +42,7 @@ def _sum(w: Walk, i: int, a: int, b: int, roundings: float = 1.0) -> Value:
     What is added to a size is no smaller for it: of two terms that are not negative the rounding is relative.
     """
     x, y = w.ranges[a][0], w.ranges[b][0]
-    value = w.cancelled(a, b, 1, iv.plus(w.ranges[a], w.ranges[b]))
+    value = w.range_of_sum(a, b, 1, iv.plus(w.ranges[a], w.ranges[b]))
     noise = Noise(w.rounded(value, i).size * roundings)
     low, high = iv.widened(value, noise.size)
     least = np.maximum(low, np.maximum(x, y) * (1 - w.form.unit))
@@ -51,7 +51,7 @@ def _sum(w: Walk, i: int, a: int, b: int, roundings: float = 1.0) -> Value:
 
 
 def _difference(w: Walk, i: int, a: int, b: int) -> Value:
-    value = w.cancelled(a, b, -1, iv.minus(w.ranges[a], w.ranges[b]))
+    value = w.range_of_sum(a, b, -1, iv.minus(w.ranges[a], w.ranges[b]))
     return Value(value, (Partial(a, 1), Partial(b, -1)), w.rounded(value, i))
 
 
@@ -123,7 +123,7 @@ Op.NEG = Op(
 def _product(w: Walk, i: int, a: int, b: int) -> Value:
     """d(a b) = b da + a db."""
     x, y = w.ranges[a], w.ranges[b]
-    partials = Partial(a, w.counting(b), like=b), Partial(b, w.counting(a), like=a)
+    partials = Partial(a, w.effective_range(b), like=b), Partial(b, w.effective_range(a), like=a)
     return _multiplied(w, i, a, b, iv.times(x, y), partials)
 
 

@@ -102,8 +102,10 @@ def _one_of_two(w: Walk, value: Interval, away: Array, slopes: Mapping[int, Inte
         return Value(value, tuple(Partial(k, slopes[k]) for k in counting), away=away)
     errors = w.errors(counting)
     steepest = np.array([slopes[k][1] for k in counting])
-    over = {j: (o * steepest).max(axis=0) for j, o in errors.over.items()}
-    noise = Noise((errors.plain * steepest).max(axis=0), over, frozenset[int]().union(*errors.divisions))
+    per_length = {j: (bound * steepest).max(axis=0) for j, bound in errors.per_length.items()}
+    noise = Noise(
+        (errors.plain * steepest).max(axis=0), per_length, frozenset[int]().union(*errors.divisions)
+    )
     return Value(value, (), noise, away, widen=False)
 
 

@@ -33,12 +33,12 @@ def _divided(a: float, b: float) -> float:
 
 def _quotient(w: Walk, i: int, a: int, b: int) -> Value:
     """d(a / b) = (da - (a / b) db) / b, one rounding; by the length of a vector where that may vanish."""
-    if i in w.lengths and w.vanishes(i, b):
+    if i in w.lengths and w.length_may_vanish(i, b):
         return w.quotient_by_length(i, a, b)
     away, below = w.away[b], w.ranges[b]
     holds = (below[0] <= 0) & (below[1] >= 0)
     w.alarm(i, "the divisor may be zero", holds & (away <= 0))
-    w.near_zero(i, b)
+    w.note_near_zero(i, b)
     inverse, most = iv.reciprocal(below), np.nextafter(1.0 / away, np.inf)
     inverse = np.where(holds, -most, inverse[0]), np.where(holds, most, inverse[1])
     value = iv.times(w.ranges[a], inverse)

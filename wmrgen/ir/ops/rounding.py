@@ -21,7 +21,7 @@ def _nearest(w: Walk, i: int, a: int) -> Value:
     """A whole number, decided as the float program decides it."""
     x = w.ranges[a]
     w.alarm(i, "too large to be rounded to a whole number", iv.magnitude(x) > 2.0 ** (w.form.bits - 2))
-    return Value(iv.whole(x), decided=w.decided(a))
+    return Value(iv.whole(x), decided=w.decision_error(a))
 
 
 def _nearest_error(unit: Array, a: Bounded) -> Bounded:

@@ -148,7 +148,7 @@ def _exact_direction(y: Exact, x: Exact) -> Exact:
 
 def _direction(w: Walk, i: int, b: int, a: int) -> Value:
     """The error of a vector of length h turns it by at most that over h."""
-    steep = w.direction(i)
+    steep = w.direction_slope(i)
     y, x = w.ranges[b], w.ranges[a]
     value = iv.arctangent(y, x)
     noise = w.library_noise(Op.ATAN2, value)

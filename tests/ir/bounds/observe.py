@@ -64,7 +64,7 @@ def _single(node: Node, a: list[np.ndarray], choice: np.ndarray | None) -> np.nd
     if node.op is Op.AT_LEAST:
         return np.where(np.abs(a[0]) < a[1], np.copysign(a[1], a[0]), a[0])
     if node.op is Op.WITH_SIGN_OF:
-        return np.where(a[1] < 0, -a[0], a[0])
+        return np.where(np.signbit(a[1]), -a[0], a[0])
     if node.op is Op.ROUNDING_ERROR:
         wide = a[0].astype(np.float64) + a[1].astype(np.float64)
         return (wide - wide.astype(np.float32)).astype(np.float32)
@@ -96,9 +96,9 @@ def decided(node: Node, a: list[np.ndarray], b: list[np.ndarray]) -> np.ndarray:
     if node.op is Op.FLIP:
         return np.where(a[1] % 2 == 1, -b[0], b[0])
     if node.op is Op.AT_LEAST:
-        return np.where(a[0] < 0, np.minimum(b[0], -b[1]), np.maximum(b[0], b[1]))
+        return np.where(np.signbit(a[0]), np.minimum(b[0], -b[1]), np.maximum(b[0], b[1]))
     if node.op is Op.WITH_SIGN_OF:
-        return np.where(a[1] < 0, -b[0], b[0])
+        return np.where(np.signbit(a[1]), -b[0], b[0])
     return np.asarray(EXACT[node.op.name](*b))
 
 

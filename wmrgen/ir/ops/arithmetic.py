@@ -89,9 +89,13 @@ def _error_within(a: Interval, b: Interval) -> Interval:
 
 
 def _error_of_sum(w: Walk, i: int, a: int, b: int) -> Value:
-    """Zero, for exact numbers; of floats at most what a rounding of their sum loses."""
+    """Bound what a sum of floats loses when it is rounded; for exact numbers that is 0.
+
+    Its size follows from the size of the sum, wherever limits of the result are (so not by `Walk.rounded`).
+    """
     zero = np.zeros(w.boxes)
-    return Value((zero, zero), noise=w.rounded(iv.plus(w.ranges[a], w.ranges[b]), i))
+    lost = w.form.half_ulp(iv.magnitude(iv.plus(w.ranges[a], w.ranges[b])))
+    return Value((zero, zero), noise=Noise(lost))
 
 
 def _error_of_sums(unit: Array, a: Bounded, b: Bounded) -> Bounded:

@@ -151,7 +151,10 @@ def _clamped(a: float, m: float) -> float:
 
 
 def _clamped_range(x: Interval, m: Interval) -> Interval:
-    return np.clip(x[0], -m[1], m[1]), np.clip(x[1], -m[1], m[1])
+    """The result grows with x, and its size grows with m."""
+    low = np.where(x[0] > 0, np.minimum(x[0], m[0]), np.maximum(x[0], -m[1]))
+    high = np.where(x[1] > 0, np.minimum(x[1], m[1]), np.maximum(x[1], -m[0]))
+    return low, high
 
 
 def _clamp(w: Walk, i: int, a: int, m: int) -> Value:

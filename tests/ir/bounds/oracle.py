@@ -42,55 +42,52 @@ MPMATH = {
 FLOAT64 = {"sqrt": np.sqrt, "sin": np.sin, "cos": np.cos, "atan": np.arctan, "atan2": np.arctan2}
 
 
+EXACT: dict[Op, Callable[..., Any]] = {
+    Op.ADD: lambda a, b: a + b,
+    Op.SUB: lambda a, b: a - b,
+    Op.MUL: lambda a, b: a * b,
+    Op.DIV: lambda a, b: a / b,
+    Op.NEG: lambda a: -a,
+    Op.ABS: abs,
+    Op.COMPENSATED: lambda a, b: a + b,
+    Op.ROUNDING_ERROR: lambda a, b: a * 0,
+    Op.MIN: lambda a, b: np.where(a < b, a, b),
+    Op.MAX: lambda a, b: np.where(a < b, b, a),
+    Op.CLAMP: lambda a, m: np.where(a > m, m, np.where(a < -m, -m, a)),
+}
+
+
 def decision(op: Op, a: Sequence[np.ndarray]) -> np.ndarray | None:
-    """How a node with arguments ``a`` decides; None for operations that do not choose."""
-    if op in (Op.SELECT, Op.MIN):
+    """How a node with arguments ``a`` decides; None where its result has no jump, so that exact numbers may decide."""
+    if op is Op.SELECT:
         return np.asarray(a[0] < a[1])
-    if op is Op.MAX:
-        return np.asarray(a[1] < a[0])
     if op is Op.RINT:
         return np.rint(a[0].astype(np.float64))
     if op is Op.FLIP:
         return np.asarray(a[1] % 2 == 1)
     if op is Op.WITH_SIGN_OF:
         return np.signbit(a[1].astype(np.float64))
-    if op is Op.CLAMP:
-        return np.asarray(np.where(a[0] > a[1], 1, np.where(a[0] < -a[1], -1, 0)))
     if op is Op.AT_LEAST:
-        small = np.abs(a[0]) < a[1]
-        return np.asarray(np.where(small, np.where(np.signbit(a[0].astype(np.float64)), -1, 1), 0))
+        return np.signbit(a[0].astype(np.float64))
     return None
 
 
 def value(op: Op, a: Sequence[Any], chosen: np.ndarray | None, functions: Mapping[str, Any]) -> Any:
     """The exact result of an operation that decides as ``chosen`` says."""
-    if op in (Op.ADD, Op.COMPENSATED):
-        return a[0] + a[1]
-    if op is Op.SUB:
-        return a[0] - a[1]
-    if op is Op.MUL:
-        return a[0] * a[1]
-    if op is Op.DIV:
-        return a[0] / a[1]
-    if op is Op.NEG:
-        return -a[0]
-    if op is Op.ABS:
-        return abs(a[0])
-    if op is Op.ROUNDING_ERROR:
-        return a[0] * 0
+    if op in EXACT:
+        return EXACT[op](*a)
     if op.name in functions:
         return functions[op.name](*a)
     assert chosen is not None, op
     if op is Op.RINT:
         return chosen + 0 * a[0]
-    if op in (Op.MIN, Op.MAX):
-        return np.where(chosen, a[0], a[1])
     if op is Op.SELECT:
         return np.where(chosen, a[2], a[3])
     if op in (Op.FLIP, Op.WITH_SIGN_OF):
         return np.where(chosen, -a[0], a[0])
-    assert op in (Op.CLAMP, Op.AT_LEAST), op
-    return np.where(chosen == 0, a[0], np.where(chosen > 0, a[1], -a[1]))
+    assert op is Op.AT_LEAST, op
+    below, above = np.where(a[0] > -a[1], -a[1], a[0]), np.where(a[0] < a[1], a[1], a[0])
+    return np.where(chosen, below, above)
 
 
 @dataclass(frozen=True)
@@ -173,15 +170,15 @@ class Runs:
             return 2 * LIBRARY[node.op] * half
         if node.op not in ROUNDED:
             return None
-        if (
-            node.op in SUMS
-        ):  # each operand is a float: the float nearest to the sum is no farther from it than they
+        if node.op in SUMS:
+            # Each operand is a float: the float nearest to the sum is no farther from it than they are.
             smaller = np.minimum(np.abs(a[0]), np.abs(a[1])).astype(np.float64)
             return np.asarray(np.minimum(half, smaller))
         if node.op is Op.MUL:
             exact = [np.abs(np.frexp(x)[0]) == 0.5 for x in a]
-            zero = [x == 0 for x in a]
-            return np.asarray(np.where(np.logical_or.reduce([*exact, *zero]), 0.0, half))
+            # 0 is a float, so that rounding does not change the sign, whatever the factors are off by.
+            product = 0.99 * np.abs(a[0].astype(np.float64) * a[1])
+            return np.asarray(np.where(np.logical_or.reduce(exact), 0.0, np.minimum(half, product)))
         if node.op is Op.DIV:
             return np.asarray(np.where(a[0] == 0, 0.0, half))
         return half

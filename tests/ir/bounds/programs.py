@@ -9,10 +9,10 @@ from fractions import Fraction
 import numpy as np
 
 from tests.ir.bounds.observe import run
-from tests.ir.bounds.oracle import decision
+from tests.ir.bounds.oracle import Runs, decision
 from tests.ir.bounds.vectors import STILL, heading_of
 from wmrgen.ir.build import Builder
-from wmrgen.ir.nodes import Function, Op, Port, Role, places
+from wmrgen.ir.nodes import Function, Op, Port, Role
 
 Ranges = Mapping[str, tuple[float, float]]
 Points = dict[str, np.ndarray]
@@ -35,15 +35,20 @@ class Program:
 
     function: Function
     ranges: Ranges
-    vectors: tuple[tuple[int, ...], ...]  # components of the vectors by whose lengths it may divide
+    vectors: (
+        Function | None
+    )  # the components of the vectors by whose lengths it may divide, one after the other
+    dimensions: tuple[int, ...]  # how many components each of them has
 
-    def shortest(self, values: list[np.ndarray], result: int) -> np.ndarray:
-        """The shortest of the vectors on which a result depends; infinite if there is none."""
-        needed = places(self.function.nodes, [result])
-        h = np.full(len(values[result]), np.inf)
-        for parts in self.vectors:
-            if all(k in needed for k in parts):
-                h = np.minimum(h, np.sqrt(sum(values[k] ** 2 for k in parts)))
+    def shortest(self, inputs: Mapping[str, np.ndarray]) -> np.ndarray:
+        """The length of the shortest of the vectors; infinite if there is none."""
+        h = np.full(len(inputs["x"]), np.inf)
+        if self.vectors is not None:
+            values = Runs.of(self.vectors, inputs).wide()
+            components = [values[k] for k in self.vectors.results]
+            for dimension in self.dimensions:
+                h = np.minimum(h, np.sqrt(sum(v**2 for v in components[:dimension])))
+                components = components[dimension:]
         return h
 
 
@@ -128,9 +133,10 @@ def program(seed: int, steps: int = 6) -> Program:
     ports = tuple(Port(n, Role.STATE if n == "a" else Role.COMMAND, "1", "an input") for n in ranges)
     outputs = tuple(Port(f"o{k}", Role.COMMAND, "1", "an output") for k in range(len(results)))
     made = b.function("control", ports, outputs, results)
-    at = places(b.nodes, results)  # unused nodes are left out
-    used = tuple(tuple(at[k] for k in parts) for parts in vectors if all(k in at for k in parts))
-    return Program(made, ranges, used)
+    parts = [k for vector in vectors for k in vector]
+    components = tuple(Port(f"c{k}", Role.COMMAND, "1", "a component") for k in range(len(parts)))
+    made_of = b.function("vectors", ports, components, parts) if parts else None
+    return Program(made, ranges, made_of, tuple(map(len, vectors)))
 
 
 def points(ranges: Ranges, count: int, seed: int) -> Points:

@@ -51,7 +51,7 @@ def check(seed: int) -> Counter[str]:
         single = runs.single[k].astype(np.float64)
         assert np.isfinite(single).all()
         assert ((claim.low <= single) & (single <= claim.high)).all()
-        most = allowed(claim, made.shortest(exact, k)) * ROOM + 1e-13 * np.abs(exact[k])
+        most = allowed(claim, made.shortest(runs.inputs)) * ROOM + 1e-13 * np.abs(exact[k])
         claimed = np.isfinite(most)
         off = np.abs(single - exact[k])
         assert (off <= most)[claimed].all()
@@ -90,10 +90,9 @@ def test_exact_values_are_in_the_range_and_float32_within_the_error(seed: int) -
     few = np.linspace(0, len(runs.single[0]) - 1, EXACT_POINTS).astype(int)
     runs = Runs.of(made.function, {n: v[few] for n, v in runs.inputs.items()})
     exact = runs.exact()
-    wide = [v.astype(np.float64) for v in exact]
     for claim, k in zip(() if outcome.alarms else outcome.claims, made.function.results, strict=False):
         for value, single, most in zip(
-            exact[k], runs.single[k], allowed(claim, made.shortest(wide, k)), strict=True
+            exact[k], runs.single[k], allowed(claim, made.shortest(runs.inputs)), strict=True
         ):
             if np.isfinite(most):
                 beyond = most if any(d is not None for d in runs.decisions) else 0
@@ -112,7 +111,7 @@ def test_an_injected_error_as_large_as_the_bound_is_noticed(share: float) -> Non
         outcome, runs = analysed(made.function, at, LIBM), Runs.of(made.function, single)
         exact = runs.wide()
         for claim, k in zip(outcome.claims, made.function.results, strict=True):
-            most = allowed(claim, made.shortest(exact, k))[0]
+            most = allowed(claim, made.shortest(runs.inputs))[0]
             alike, injected = runs.injected(k)
             off = max(float(abs(values[k][0] - exact[k][0])) for values in injected)
             if alike[0] and np.isfinite(most) and off > 1e-12 and not outcome.alarms:

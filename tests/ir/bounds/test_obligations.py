@@ -228,6 +228,20 @@ def test_claims_of_a_larger_function_are_used_only_without_alarms() -> None:
     assert larger.alarms and used == own and not own.alarms
 
 
+def test_an_alarm_is_not_lost_where_a_larger_function_raises_it_too() -> None:
+    ports = (Port("x", Role.COMMAND, "1", "an input"),)
+
+    def made(name: str, more: bool) -> Function:
+        b = Builder()
+        x = b.input("x")
+        results = [b.div(b.const(1), x), *([b.add(x, b.const(1))] if more else [])]
+        outputs = tuple(Port(f"o{k}", Role.COMMAND, "1", "an output") for k in range(len(results)))
+        return b.function(name, ports, outputs, results)
+
+    few, many = made("few", False), made("many", True)
+    assert Outcomes([few, many], LIBM).of(few, {"x": (-1.0, 1.0)}).alarms
+
+
 def test_claims_of_a_larger_function_are_those_of_equal_operations() -> None:
     """x + y and x - y are different, x + y of two functions is one."""
     ports = tuple(Port(n, Role.COMMAND, "1", "an input") for n in "xy")

@@ -29,6 +29,11 @@ _ROOTS = (1, _ROOT2, _ROOT3, _ROOT2 * _ROOT3 % PRIME)
 class PassError(AssertionError):
     """A pass changed the value of an output, which is a bug of wmrgen."""
 
+    def __init__(self, text: str, step: str, output: str = "") -> None:
+        super().__init__(f"{step}: {text}")
+        self.step = step  # the pass, and the function
+        self.output = output  # the name of the output; empty if the function is no longer defined
+
 
 def mix(*numbers: int) -> int:
     """Return a hash of integers that does not depend on Python's own."""
@@ -197,10 +202,10 @@ def _compare(before: dict[str, Any] | None, after: dict[str, Any] | None, step: 
     if before is None:
         return
     if after is None:
-        raise PassError(f"{step}: defined before, undefined after")
+        raise PassError("defined before, undefined after", step)
     for name, value in before.items():
         if _identity(after.get(name)) != _identity(value):
-            raise PassError(f"{step}: {name} was {value} and is {after.get(name)}")
+            raise PassError(f"{name} was {value} and is {after.get(name)}", step, name)
 
 
 def _identity(value: Any) -> Any:

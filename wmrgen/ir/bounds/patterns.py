@@ -173,7 +173,16 @@ def lengths(nodes: Sequence[Node]) -> dict[int, Length]:
 
 
 def facts(nodes: Sequence[Node], x: int, s: float) -> list[tuple[int, float]]:
-    """Return what |node x| <= s h implies: the fact itself and, if x = c y, that of y. Each is (node, factor of h)."""
+    """Return what |node x| <= s h implies.
+
+    Args:
+        nodes: the nodes.
+        x: the node.
+        s: the factor of the length h.
+
+    Returns:
+        (node, factor of h): the fact itself and, if x = c y, the same of y.
+    """
     product = constant_multiple(nodes, nodes[x])
     if product is None or not product[0]:
         return [(x, s)]

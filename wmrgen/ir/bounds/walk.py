@@ -92,7 +92,13 @@ class Slope:
 
     @classmethod
     def unit(cls, row: int, rows: int, boxes: int) -> Slope:
-        """Return the derivative 1 in one row, 0 in the other rows."""
+        """Return the derivative 1 in one row, 0 in the other rows.
+
+        Args:
+            row: the row.
+            rows: the number of rows.
+            boxes: the number of boxes.
+        """
         derivative = np.zeros((rows, boxes))
         derivative[row] = 1.0
         return cls((derivative, derivative))
@@ -333,7 +339,13 @@ class Walk:
     # ---- for the lemmas of operations (`wmrgen.ir.ops.analysis.Walk`)
 
     def alarm(self, i: int, what: str, where: NDArray[np.bool_]) -> None:
-        """Record that ``what`` may happen at node ``i``, on the boxes ``where``; ignored if there are none."""
+        """Record an operation that was not shown to be defined.
+
+        Args:
+            i: the node.
+            what: what may happen.
+            where: by box, whether it may happen there; nothing is recorded if it is nowhere true.
+        """
         if np.any(where):
             self.alarms.append((i, what, where))
 
@@ -359,7 +371,14 @@ class Walk:
         return np.asarray(self.claimed(self.errors((k,)))[0])
 
     def range_of_sum(self, a: int, b: int, sign: int, value: Interval) -> Interval:
-        """Return the range of a + sign b. It is ``value``, or less if terms of a and b cancel or share an angle."""
+        """Return the range of a sum or difference, which is smaller if terms cancel or share an angle.
+
+        Args:
+            a: the first node.
+            b: the second node.
+            sign: 1 for a + b, -1 for a - b.
+            value: the sum or difference of the ranges.
+        """
         if not self.forms.overlap(a, b):
             return value
         form = combined(self.forms.list[a], self.forms.list[b], sign)
@@ -371,7 +390,16 @@ class Walk:
         return np.clip(self.ranges[k][0], *ends), np.clip(self.ranges[k][1], *ends)
 
     def branch(self, small: int, large: int, value: int) -> tuple[Array, Array, Array]:
-        """Return (low, high, away) of node ``value`` where it is chosen because small <= large, up to their errors."""
+        """Bound a value in the branch that is taken because small < large.
+
+        Args:
+            small: the node on the left of the comparison.
+            large: the node on the right.
+            value: the node that is chosen; the comparison bounds it if it is one of them.
+
+        Returns:
+            (low, high, lower bound of the absolute value). The comparison holds up to the errors of both sides.
+        """
         interval, away = self.ranges[value], self.away[value]
         far = np.full(self.boxes, np.inf)
         if value in (small, large):
@@ -411,9 +439,12 @@ class Walk:
         return np.full(self.boxes, _MOVED)
 
     def quotient_by_length(self, i: int, a: int, b: int) -> Value:
-        """Bound node ``i`` = n / d, where d is at least the length h of a vector.
+        """Bound a quotient n / d by the length h of a vector: d(n / d) is at most (|dn| + |n / d| |dd|) / h.
 
-        d(n / d) is at most (|dn| + |n / d| |dd|) / h.
+        Args:
+            i: the node of the quotient.
+            a: the node n.
+            b: the node d, which is at least h.
         """
         length, least = self.measure_length(i), self.away[b]
         reach = magnitude(self.ranges[a]) / least

@@ -1,8 +1,8 @@
 """Test vectors of a module: inputs, results of the exact formula, and how far rounding may move code from them.
 
 Points at which rounding decides between different results are left out. The expected value is the exact one, rounded
-once: from float64 if its error bound leaves no doubt, otherwise from 60 digits. Values that are certainly below 1e-12 are
-0. A law is tested as well: forward after inverse gives the twist, also next to zeros of either sign.
+once: from float64 if its error bound leaves no doubt, otherwise from 60 digits. Values that are certainly below
+1e-12 are 0. A law is tested as well: forward after inverse gives the twist, also next to zeros of either sign.
 """
 
 from __future__ import annotations
@@ -206,7 +206,16 @@ def _vectors(
 
 @np.errstate(over="ignore")
 def rounded(value: Array, error: Array, scalar: str) -> tuple[Array, Array]:
-    """Return ``value`` in the scalar type, and whether all numbers within ``error`` of it round to the same number."""
+    """Round values to the scalar type; values that are certainly below `FLOOR` become 0.
+
+    Args:
+        value: float64 values.
+        error: bounds of their errors.
+        scalar: "float" or "double".
+
+    Returns:
+        The rounded values, and for each whether all numbers within ``error`` round to it.
+    """
     nothing = np.abs(value) + error < FLOOR
     value = np.where(nothing, 0.0, value)
     if scalar == "double":

@@ -1,4 +1,4 @@
-"""Equal operations are one node; trivial ones are none."""
+"""The builder shares equal operations and makes no node for trivial ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The interpreter: exact where it can be, IEEE 754 where it says so."""
+"""The interpreter: exact where it can be, otherwise IEEE 754."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An operation from outside the package: one record, nothing inside touched, and everything knows it."""
+"""An operation from outside the package: one record, and every part of the package knows it."""
 
 from __future__ import annotations
 

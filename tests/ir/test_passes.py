@@ -1,4 +1,4 @@
-"""Every pass leaves every output what it was, exactly; each does what it is there for."""
+"""Every pass leaves every output unchanged, exactly, and does what it is for."""
 
 from __future__ import annotations
 

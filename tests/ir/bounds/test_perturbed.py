@@ -1,4 +1,4 @@
-"""No bound is below what roundings can do at a point, each tried by itself (`tests.ir.bounds.perturbed`)."""
+"""No bound is below the effect that single roundings can have at a point (`tests.ir.bounds.perturbed`)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The algebra of slopes: whatever derivatives obey two bounds, their sums and products obey what is made of them."""
+"""Sums and products of slopes: derivatives within the bounds of two slopes stay within the combined bounds."""
 
 from __future__ import annotations
 

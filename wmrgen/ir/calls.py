@@ -129,7 +129,8 @@ def inline_prepare(function: Function, prepare: Function | None) -> Function:
             continue
         nodes.append(node.over(tuple(place[a] for a in node.args)))
         place.append(len(nodes) - 1)
-    tunables = prepare.inputs + tuple(p for p in own if p.name not in {q.name for q in prepare.inputs})
+    known = {port.name for port in prepare.inputs}
+    tunables = prepare.inputs + tuple(port for port in own if port.name not in known)
     return pruned(rebuilt(replace(function, inputs=asked + tunables), nodes, dict(enumerate(place))))
 
 
@@ -190,8 +191,8 @@ def hand_through(module: Module) -> Module:
         outputs=prepare.outputs + tuple(passed.values()),
         results=prepare.results + tuple(range(start, start + len(direct))),
     )
-    functions = tuple(
-        replace(f, inputs=tuple(passed.get(p.name, p) if p.role is Role.GEOMETRY else p for p in f.inputs))
-        for f in module.functions
-    )
-    return replace(module, functions=functions, prepare=prepare)
+    functions = []
+    for function in module.functions:
+        ports = [passed.get(p.name, p) if p.role is Role.GEOMETRY else p for p in function.inputs]
+        functions.append(replace(function, inputs=tuple(ports)))
+    return replace(module, functions=tuple(functions), prepare=prepare)

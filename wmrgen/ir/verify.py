@@ -147,7 +147,10 @@ RESIDUES = Arithmetic(_residue, _modulo_the_prime)
 def points(function: Function, count: int) -> list[dict[str, Exact]]:
     """Return ``count`` rational points, which depend on the names of the inputs alone."""
     names = [port.name for port in function.inputs]
-    return [{name: _number(name, k) for name in names} for k in range(count)]
+    found = []
+    for k in range(count):
+        found.append({name: _number(name, k) for name in names})
+    return found
 
 
 def _number(name: str, k: int) -> Exact:

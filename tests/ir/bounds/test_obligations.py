@@ -263,3 +263,27 @@ def test_a_step_of_a_walk_that_is_no_result_is_checked_as_well() -> None:
     """1 / x within a result that a limit makes harmless: the alarm is there all the same."""
     made = function(lambda b, x: b.min(b.max(b.div(b.const(1), x), b.const(-1)), b.const(1)))
     assert analysed(made, {"vx": (-1.0, 1.0)}, LIBM).alarms
+
+
+# ---- faults that random functions found
+
+
+def test_a_limit_that_is_no_float_is_in_the_range_of_what_it_limits() -> None:
+    """clamp(x, 7 / 5) of x from 100 on: 7 / 5, and the float nearest to it, which is smaller."""
+    limit = Fraction(7, 5)
+    made = function(lambda b, x: b.apply(Op.CLAMP, (x, b.const(limit))))
+    for low, high, sign in ((100.0, 101.0, 1), (-101.0, -100.0, -1)):
+        (claim,) = analysed(made, {"vx": (low, high)}, LIBM).claims
+        for value in (sign * float(np.float32(1.4)), sign * limit):
+            assert claim.low <= value <= claim.high
+
+
+def test_a_limit_beyond_the_rounding_of_a_sum_does_not_make_it_smaller() -> None:
+    """The rounding of x + y, both near 9, limited to 1.4: half a unit of 18, not of 1.4."""
+
+    def make(b: Builder, x: int, y: int, z: int) -> list[int]:
+        return [b.apply(Op.CLAMP, (b.apply(Op.ROUNDING_ERROR, (x, y)), b.const(Fraction(7, 5))))]
+
+    (claim,) = analysed(of_three(make), {"x": (8.0, 9.0), "y": (8.0, 9.0), "z": (0.0, 0.0)}, LIBM).claims
+    half = float(np.spacing(np.float32(17))) / 2
+    assert claim.high >= half and claim.error >= half

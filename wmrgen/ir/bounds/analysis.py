@@ -89,7 +89,8 @@ def _within_a_turn(
     """Return ``ranges``, cut to one turn for angles that have more and of which only sine and cosine are taken."""
     turned = dict(ranges)
     for name in angles:
-        users = {n.op for n in function.nodes if any(function.nodes[k].name == name for k in n.args)}
+        at = {k for k, n in enumerate(function.nodes) if n.name == name}
+        users = {n.op for n in function.nodes if not at.isdisjoint(n.args)}
         lo, hi = ranges[name]
         if users <= {Op.SIN, Op.COS} and hi - lo > 2 * _HALF_TURN and max(-lo, hi) <= library.reach:
             turned[name] = -_HALF_TURN, _HALF_TURN

@@ -96,7 +96,8 @@ class Forms:
         """Return the expanded product if both factors are linear and one of them in sines and cosines, else None."""
         if a.degree != 1 or b.degree != 1 or (len(a.terms) + 1) * (len(b.terms) + 1) > _MOST_SQUARES:
             return None
-        if all(any(k not in self.angle for (k,) in f.terms) for f in (a, b)):
+        waves = {(k,) for k in self.angle}  # sines and cosines
+        if not (a.terms.keys() <= waves or b.terms.keys() <= waves):
             return None
         constant, size = a.constant * b.constant, 0.0
         terms: dict[Monomial, float] = {}

@@ -52,7 +52,10 @@ def cases(function: Function, ranges: Mapping[str, Range], finer: int = 0) -> li
         if not pending:
             break
     parts += pending
-    divided = [n for n in names if any(part[n] != ranges[n] for part in parts)]
+    divided = []
+    for name in names:
+        if any(part[name] != ranges[name] for part in parts):
+            divided.append(name)
     if not divided:  # Eva may show less than is shown here
         below = {n for node in function.nodes if node.op is Op.DIV for n in cones[node.args[1]]}
         divided = [n for n in names if n in below]

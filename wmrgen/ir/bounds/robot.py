@@ -306,9 +306,11 @@ def _of_function(f: FunctionBound, bounds: Bounds) -> list[str]:
         groups.setdefault(key, []).append(o)
     wider = beyond(f, bounds)
     head = [f"  {f.name} is looked at for {listed(wider)}"] if wider else []
-    return head + [
-        f"  {f.name}: {', '.join(o.name for o in group)} {bound(group[0])}" for group in groups.values()
-    ]
+    lines = []
+    for group in groups.values():
+        names = ", ".join(o.name for o in group)
+        lines.append(f"  {f.name}: {names} {bound(group[0])}")
+    return head + lines
 
 
 def bound(o: OutputBound) -> str:

@@ -64,15 +64,14 @@ class _Lowering:
         self.builder = Builder()
         self.as_written = as_written
         # The placeholder input of each intermediate result -> the node that computes it.
-        self.standing: dict[int, int] = {}
+        self.placeholders: dict[int, int] = {}
         self.memo: dict[Expr, int] = {}
         self.names = {p.name.replace(".", "_"): p.name for p in formula.inputs}
         self.locals, self.quantities = dict(formula.locals), dict(formula.quantities)
         self.calls = {result: (call, k) for call in calls for k, result in enumerate(call.results)}
         self.parameters: set[str] = set()
-        self.geometric: list[
-            bool
-        ] = []  # whether a node depends on geometry alone; filled as far as it was needed
+        # By node: whether it depends on geometry alone; the list grows when it is needed.
+        self.geometric: list[bool] = []
         self.rules: dict[type, Callable[[Expr], int]] = {
             sympy.Add: self._add, sympy.Mul: self._mul, sympy.Pow: self._pow, sympy.tan: self._tan,
             sympy.Piecewise: self._select,
@@ -136,17 +135,17 @@ class _Lowering:
         value = self.node(self.locals[expr])
         if not self.as_written or not self.builder.nodes[value].args:
             return value
-        stands = self.builder.input(f"={expr.name}")  # a name that no port has
-        self.standing[stands] = value
-        return stands
+        placeholder = self.builder.input(f"={expr.name}")  # a name that no port has
+        self.placeholders[placeholder] = value
+        return placeholder
 
     def joined(self) -> tuple[tuple[Node, ...], list[int]]:
         """Return the nodes with intermediate results in place of their placeholders, and the new index of each node."""
         nodes: list[Node] = []
         place: list[int] = []
         for i, node in enumerate(self.builder.nodes):
-            if i in self.standing:
-                place.append(place[self.standing[i]])
+            if i in self.placeholders:
+                place.append(place[self.placeholders[i]])
             else:
                 place.append(len(nodes))
                 nodes.append(node.over(tuple(place[arg] for arg in node.args)))
@@ -199,8 +198,8 @@ class _Lowering:
     def _geometric(self, a: int) -> bool:
         geometric = self.geometric
         for i, node in enumerate(self.builder.nodes[len(geometric) : a + 1], len(geometric)):
-            if i in self.standing:
-                geometric.append(geometric[self.standing[i]])
+            if i in self.placeholders:
+                geometric.append(geometric[self.placeholders[i]])
             else:
                 geometric.append(
                     all(geometric[k] for k in node.args)

@@ -12,7 +12,7 @@ from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.linear_forms import share_linear_forms
 from wmrgen.ir.nodes import Function, Module, Op, Port, Role, pruned, rebuilt, schedule
-from wmrgen.ir.simplify import factor, reduce_strength, regroup_products, settle_signs
+from wmrgen.ir.simplify import factor, prefer_positive_constants, reduce_strength, regroup_products
 from wmrgen.ir.verify import check_module
 
 # ---- dead code
@@ -122,7 +122,7 @@ def _reference(
 Pass = Callable[[Function], Function]
 
 BEFORE_HOIST: tuple[Pass, ...] = (
-    reduce_strength, factor, share_linear_forms, settle_signs, regroup_products,
+    reduce_strength, factor, share_linear_forms, prefer_positive_constants, regroup_products,
 )  # fmt: skip
 AFTER_HOIST: tuple[Pass, ...] = (drop_dead_code, schedule)
 

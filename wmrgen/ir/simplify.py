@@ -240,7 +240,7 @@ def _choices(function: Function) -> dict[int, tuple[int, int, int]]:
 # ---- signs
 
 
-def settle_signs(function: Function) -> Function:
+def prefer_positive_constants(function: Function) -> Function:
     """Return ``function`` with readable signs: a + (-20) x becomes a - 20 x. Counts and bits do not change."""
     nodes, uses = function.nodes, uses_of(function)
 

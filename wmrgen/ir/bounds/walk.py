@@ -227,9 +227,8 @@ class Walk:
         self.noise: list[Noise | None] = []  # rounding error of the node itself
         self.partials: list[tuple[Partial, ...]] = []  # derivatives in the arguments
         self.noisy: list[bool] = []  # whether the node or a node on which it depends has noise
-        self.lengths_behind: list[
-            frozenset[int]
-        ] = []  # lengths by which it, or a node on which it depends, divides
+        # Lengths by which the node, or a node on which it depends, divides.
+        self.lengths_behind: list[frozenset[int]] = []
         # (node, what is not shown, on which boxes)
         self.alarms: list[tuple[int, str, NDArray[np.bool_]]] = []
         self.singular: set[int] = set()  # divisions whose divisor comes close to zero

@@ -1,4 +1,4 @@
-"""The kernels: coefficients are what the script computes, errors are at most what headers state."""
+"""The kernels: coefficients are those that the script computes, errors are at most those that headers state."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Whether every quotient and root of a function is defined, whatever its inputs are: exact ranges without limits.
+"""Whether every quotient and root of a function is defined for all inputs: exact ranges without limits.
 
-Every node gets an enclosing interval, a bound away from zero, and whether it can be zero at all. What a `select` has
-compared is used for the branch that it chooses between the values compared. The code under test has ranges of its own
-(`wmrgen.ir.bounds`), in floats and within limits: this shares nothing with them.
+Every node gets an enclosing interval, a bound away from zero, and whether it can be zero. The comparison of a `select`
+is used for the branch that it takes. The tested code has its own ranges, in floats and within limits
+(`wmrgen.ir.bounds`); this module shares nothing with it.
 """
 
 from __future__ import annotations
@@ -136,12 +136,12 @@ NEEDS = {
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """An operation that is not shown to be defined. ``geometry``: it depends on the parameters alone."""
+    """An operation that is not shown to be defined."""
 
     function: str
     node: int
-    what: str
-    geometry: bool
+    what: str  # what may happen
+    geometry: bool  # whether it depends on parameters alone
 
     def __str__(self) -> str:
         return f"{self.function}, node {self.node}: {self.what}"

@@ -1,4 +1,4 @@
-"""Calls of kernels: what they stand for, that formulas and kernels say the same, and that C keeps them."""
+"""Calls of kernels: replacing them, equality of formulas and kernels, and calls in C."""
 
 from __future__ import annotations
 

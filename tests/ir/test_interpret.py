@@ -1,4 +1,4 @@
-"""The interpreter: exact where it can be, IEEE 754 where it says so."""
+"""The interpreter: exact where it can be, otherwise IEEE 754."""
 
 from __future__ import annotations
 
@@ -117,12 +117,12 @@ def test_exact_arctangent_knows_its_quadrants() -> None:
 
 def test_undefined_operations() -> None:
     f = build(["a", "b"], lambda b, v: {"o": b.div(v["a"], v["b"])})
-    with pytest.raises(ZeroDivisionError, match="f, node 2"):
+    with pytest.raises(ZeroDivisionError, match=r"\bf\b.*\b2\b"):  # the function and the node
         evaluate(f, {"a": 1, "b": 0}, EXACT)
     assert evaluate(f, {"a": 1, "b": 0}, FLOAT64)["o"] == math.inf
     assert evaluate(f, {"a": 1.0, "b": -0.0}, FLOAT32)["o"] == -math.inf
     assert math.isnan(evaluate(f, {"a": 0, "b": 0}, FLOAT64)["o"])
-    with pytest.raises(UsageError, match="needs a value for b"):
+    with pytest.raises(UsageError, match=r"\bf\b.*\bb\b"):  # the function and the input
         evaluate(f, {"a": 1}, FLOAT64)
 
 

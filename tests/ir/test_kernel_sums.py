@@ -1,4 +1,4 @@
-"""Sums of products: fused where nothing else needs the product, the same value everywhere, and nothing cancels away."""
+"""Sums of products: fused if the product has no other user, with the same value everywhere, without cancellation."""
 
 from __future__ import annotations
 

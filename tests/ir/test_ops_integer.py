@@ -1,4 +1,4 @@
-"""Sines, cosines and arctangents in integers, where the general way would not do."""
+"""Sines, cosines and arctangents in integers: arguments that need care."""
 
 from __future__ import annotations
 

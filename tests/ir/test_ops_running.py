@@ -1,4 +1,4 @@
-"""Running errors and facts of every operation: they hold for whatever the arguments may be, and are near to that."""
+"""Running errors and facts of every operation: they hold for all arguments, and are not much too large."""
 
 from __future__ import annotations
 

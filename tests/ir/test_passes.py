@@ -1,4 +1,4 @@
-"""Every pass leaves every output what it was, exactly; each does what it is there for."""
+"""Every pass leaves every output unchanged, exactly, and does what it is for."""
 
 from __future__ import annotations
 
@@ -69,8 +69,9 @@ def test_a_wrong_pass_is_caught() -> None:
     right = build(["x", "y"], lambda b, v: {"o": b.atan2(v["x"], b.mul(b.const(2), v["y"]))})
     wrong = build(["x", "y"], lambda b, v: {"o": b.atan2(v["x"], b.mul(b.const(3), v["y"]))})
     verify_function(right, right, "nothing")
-    with pytest.raises(PassError, match="nothing of f: o was"):
+    with pytest.raises(PassError) as caught:
         verify_function(right, wrong, "nothing")
+    assert (caught.value.step, caught.value.output) == ("nothing of f", "o")
 
 
 def test_linear_forms_share_what_common_subexpressions_miss() -> None:
@@ -248,7 +249,7 @@ def test_guarded_divisors_are_recognised(name: str) -> None:
 def test_unguarded_divisors_are_reported(name: str) -> None:
     f = build(["x", "y"], lambda b, v: {"o": b.div(v["y"], UNGUARDED[name](b, v))})
     (finding,) = findings(f)
-    assert "divisor may be zero" in str(finding)
+    assert f.nodes[finding.node].op is Op.DIV
     assert not finding.geometry
 
 

@@ -1,4 +1,4 @@
-"""Arithmetic modulo a prime beside exact numbers: every operation that is no opaque function."""
+"""Arithmetic modulo a prime agrees with exact numbers, for every operation that is not opaque."""
 
 from __future__ import annotations
 

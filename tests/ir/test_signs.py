@@ -1,4 +1,4 @@
-"""Signs, limits and comparisons as processors without a quick comparison take them."""
+"""Signs, limits and comparisons on processors without a fast comparison."""
 
 from __future__ import annotations
 

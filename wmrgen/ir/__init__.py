@@ -1,1 +1,5 @@
-"""The intermediate representation, its passes, its interpreter and its cost model."""
+"""The intermediate representation: functions as flat lists of scalar operations.
+
+Formulas in symbols come in (`lower`); functions, optimised, verified, with bounds and test vectors, go out to the back
+ends. This package must not know a language, and after `lower` and `verify` no sympy.
+"""

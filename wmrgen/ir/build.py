@@ -1,7 +1,7 @@
-"""A hash-consing builder of IR functions: equal operations get one node, trivial ones none.
+"""A builder of IR functions: equal operations share one node, and trivial operations are simplified.
 
-Every rewrite here holds for all finite arguments, exactly and (signed zeros aside) in floats.
-Sums keep constants last, products first; otherwise arguments stand in order of their ids.
+Every simplification holds for all finite arguments, exactly and in floats (except for the sign of a zero). Sums have
+constants last, products have them first; other arguments are in the order of their ids.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from wmrgen.ir.tape import Tape
 
 
 class Builder(Tape):
-    """Makes nodes, simplified, and hands out their ids; `function` cuts out what some results need."""
+    """Makes simplified nodes and returns their ids; `function` makes a function of the nodes that results need."""
 
     __slots__ = ()
 
@@ -56,7 +56,7 @@ class Builder(Tape):
         return self.put(Op.SUB, a, b)
 
     def neg(self, a: int) -> int:
-        """-a; swaps a difference and flips a constant factor instead of adding a node."""
+        """-a; of a difference or a product with a constant it changes these instead of adding a node."""
         node = self.nodes[a]
         if node.value is not None:
             return self.const(-node.value)
@@ -84,7 +84,7 @@ class Builder(Tape):
         return self.put(Op.MUL, min(a, b), max(a, b))
 
     def div(self, a: int, b: int) -> int:
-        """a / b. A constant divisor becomes a factor; a constant zero divisor is an error."""
+        """a / b. A constant divisor becomes a factor; the constant 0 raises ZeroDivisionError."""
         y = self.value(b)
         if y is not None:
             if not y:
@@ -120,14 +120,14 @@ class Builder(Tape):
         return a if a == b else self._plain(Op.MAX, a, b)
 
     def select(self, a: int, b: int, x: int, y: int) -> int:
-        """x where a < b, else y. Both are always computed."""
+        """x if a < b, else y. Both are always computed."""
         p, q = self.value(a), self.value(b)
         if a == b or (p is not None and q is not None):
             return x if p is not None and q is not None and p < q else y
         return x if x == y else self.put(Op.SELECT, a, b, x, y)
 
     def with_sign_of(self, a: int, b: int) -> int:
-        """-a where b < 0, else a."""
+        """-a if b < 0, else a."""
         value = self.value(b)
         if value is not None:
             return self.neg(a) if value.sign < 0 else a
@@ -136,23 +136,24 @@ class Builder(Tape):
     # ---- functions
 
     def sqrt(self, a: int) -> int:
-        """The square root of a >= 0; folded when it stays in Q(sqrt2, sqrt3)."""
+        """The square root of a >= 0; a constant if it is in Q(sqrt2, sqrt3)."""
         value = self.value(a)
         if value is not None and value.sign < 0:
             raise ValueError("square root of a negative constant")
         return self._plain(Op.SQRT, a)
 
     def flip(self, a: int, n: int) -> int:
-        """a where the whole number n is even, else -a."""
+        """a if the whole number n is even, else -a."""
         value, inner = self.value(n), self._positive(n)
         if value is not None and value.is_rational:
             return self.neg(a) if value.parts[0] % 2 else a
         return self.put(Op.FLIP, a, n) if inner is None else self.flip(a, inner)
 
     def _plain(self, op: Op, *args: int) -> int:
-        """Constants folded, the sign of the argument of an odd or even function taken out of it."""
-        values = [x for a in args if (x := self.value(a)) is not None]
-        folded = op.fold(*values) if len(values) == len(args) and op.fold is not None else None
+        """Return an operation; constants are folded, and odd or even functions get a positive argument."""
+        values = [self.value(a) for a in args]
+        constants = [x for x in values if x is not None]
+        folded = op.fold(*constants) if len(constants) == len(args) and op.fold is not None else None
         if folded is not None:
             return self.const(folded)
         inner = self._positive(args[0]) if op.parity else None
@@ -177,7 +178,7 @@ class Builder(Tape):
         return total
 
     def product(self, factors: Iterable[int]) -> int:
-        """The product of any number of factors, multiplied in order of their ids."""
+        """The product of any number of factors, in the order of their ids."""
         total = self.const(ONE)
         for factor in sorted(factors):
             total = self.mul(total, factor)
@@ -188,7 +189,7 @@ class Builder(Tape):
         return self.mul(a, a)
 
     def power(self, a: int, n: int) -> int:
-        """a to a whole power, by repeated squaring; a negative one is one reciprocal."""
+        """a to a whole power, by repeated squaring; for a negative power, the reciprocal of that."""
         if n < 0:
             return self.div(self.const(ONE), self.power(a, -n))
         if n == 0:
@@ -197,21 +198,21 @@ class Builder(Tape):
         return self.mul(half, a) if n % 2 else half
 
     def apply(self, op: Op, args: Sequence[int]) -> int:
-        """Operation ``op`` over the field through its simplifying rule."""
+        """Return an operation, simplified by its rule."""
         return _RULES[op](self, *args) if op in _RULES else self._plain(op, *args)
 
     def copy(self, node: Node, args: Sequence[int]) -> int:
-        """``node`` of another function over ``args``, ids of this builder, simplified."""
+        """Return ``node`` of another function, simplified; ``args`` are ids of this builder."""
         return super().copy(node, args) if node.op.exact is None else self.apply(node.op, args)
 
     def again(self, node: Node, args: Sequence[int]) -> int:
-        """``node`` of another function over ``args``, as `make` makes it."""
+        """Return ``node`` of another function through `make`; ``args`` are ids of this builder."""
         return super().copy(node, args) if node.op.exact is None else self.make(node.op, args)
 
     def make(self, op: Op, args: Sequence[int]) -> int:
-        """Operation ``op`` as it stands: shared, but simplified only over a constant or a negation.
+        """Return an operation, simplified only if an argument is a constant or a negation.
 
-        For passes that have chosen where a factor stands and want it left there.
+        For passes that choose the place of a factor, which must then not move.
         """
         if any(self.nodes[arg].op in (Op.CONST, Op.NEG) for arg in args):
             return self.apply(op, args)
@@ -225,13 +226,24 @@ class Builder(Tape):
         results: Sequence[int],
         text: str = "",
     ) -> Function:
-        """The function computing ``results``, with the nodes that they need and no others."""
+        """Return the function that computes ``results``, with the nodes that they need.
+
+        Args:
+            name: its name.
+            inputs: its inputs.
+            outputs: its outputs.
+            results: the node of each output.
+            text: what it computes.
+
+        Returns:
+            The function.
+        """
         return pruned(Function(name, inputs, tuple(self.nodes), outputs, tuple(results), text))
 
     # ---- shapes of nodes
 
     def _with_constant(self, a: int, value: Exact) -> int:
-        """a + value, value not 0: x + c, x - c with c > 0, or c - x."""
+        """Return a + value, for a value that is not 0, as x + c, x - c with c > 0, or c - x."""
         inner = self._negated(a)
         if inner is not None:
             return self.put(Op.SUB, self.const(value), inner)
@@ -239,7 +251,7 @@ class Builder(Tape):
         return self.put(op, a, self.const(abs(value)))
 
     def _scale(self, factor: Exact, a: int) -> int:
-        """factor * a, merged into a constant factor that ``a`` already has."""
+        """Return factor * a; a constant factor of ``a`` is merged into it."""
         own, inner = self._split(a)
         if inner != a:
             return self._scale(factor * own, inner)
@@ -253,7 +265,7 @@ class Builder(Tape):
         return self.put(Op.MUL, self.const(factor), a) if value is None else self.const(factor * value)
 
     def scaled(self, a: int) -> tuple[Exact, int] | None:
-        """(c, x) when node ``a`` is constant c times x."""
+        """Return (c, x) if node ``a`` is a constant c times x, else None."""
         node = self.nodes[a]
         if node.op is not Op.MUL:
             return None
@@ -261,17 +273,17 @@ class Builder(Tape):
         return None if value is None else (value, node.args[1])
 
     def _negated(self, a: int) -> int | None:
-        """x when node ``a`` is -x."""
+        """Return x if node ``a`` is -x, else None."""
         node = self.nodes[a]
         return node.args[0] if node.op is Op.NEG else None
 
     def _split(self, a: int) -> tuple[Exact, int]:
-        """(c, x) of node ``a``, which is c x, -x, or x itself with c = 1."""
+        """Return (c, x) with node ``a`` = c x; c is 1 if ``a`` has no constant factor."""
         inner = self._negated(a)
         return (-ONE, inner) if inner is not None else self.scaled(a) or (ONE, a)
 
     def _positive(self, a: int) -> int | None:
-        """-a when that form is the simpler one: a negation, a negative constant or factor."""
+        """Return -a if ``a`` is a negation, a negative constant or has a negative factor, else None."""
         value = self.value(a)
         if value is not None:
             return self.const(-value) if value.sign < 0 else None
@@ -279,7 +291,7 @@ class Builder(Tape):
         return self._scale(-factor, inner) if factor.sign < 0 else None
 
 
-# The operations that are more than `Builder._plain` of what their record says.
+# Operations with simplifications of their own; `Builder._plain` makes the other ones.
 _RULES: dict[Op, Callable[..., int]] = {
     Op.ADD: Builder.add, Op.SUB: Builder.sub, Op.MUL: Builder.mul, Op.DIV: Builder.div, Op.NEG: Builder.neg,
     Op.ABS: Builder.abs, Op.MIN: Builder.min, Op.MAX: Builder.max, Op.SELECT: Builder.select,

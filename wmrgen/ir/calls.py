@@ -1,8 +1,8 @@
-"""What the functions of a module call and are handed: kernels, `prepare`; a part of a module has what it needs of both.
+"""Calls of kernels, and `prepare`: replacing them by what they compute, and selecting parts of a module.
 
-A node CALL names a kernel of its module (`Module.kernels`), which is a function over base operations and other calls.
-`inlined_calls` puts the meaning in their place, for everything that knows base operations alone. `inline_prepare` makes
-a step function self-contained: it computes what `prepare` would have handed it.
+A CALL node names a kernel of its module (`Module.kernels`), which is a function of base operations and other calls.
+`inlined_calls` replaces calls by the operations of the kernel, for code that only knows base operations.
+`inline_prepare` makes a step function self-contained: it then computes the values that `prepare` would have passed.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Kernels = Mapping[str, Function]
 
 
 def inlined_calls(module: Module) -> Module:
-    """``module`` in base operations: every call replaced by what its kernel computes."""
+    """Return ``module`` in base operations: every call is replaced by the operations of its kernel."""
     if not module.kernels:
         return module
     kernels = by_name(module.kernels)
@@ -26,7 +26,7 @@ def inlined_calls(module: Module) -> Module:
 
 
 def by_name(kernels: Sequence[Function]) -> Kernels:
-    """Kernels by name, each without calls."""
+    """Return kernels by name, each without calls."""
     bodies: dict[str, Function] = {}
     for kernel in kernels:
         bodies[kernel.name] = inlined(kernel, bodies)
@@ -34,29 +34,29 @@ def by_name(kernels: Sequence[Function]) -> Kernels:
 
 
 def called(functions: Sequence[Function]) -> frozenset[str]:
-    """The kernels that ``functions`` call themselves."""
+    """Return the names of the kernels that ``functions`` call directly."""
     return frozenset(node.name or "" for f in functions for node in f.nodes if node.op is Op.CALL)
 
 
 def inlined(function: Function, kernels: Kernels) -> Function:
-    """``function`` without calls of ``kernels``, which have none themselves; equal operations once."""
+    """Return ``function`` without calls; ``kernels`` are free of calls. Equal operations are shared."""
     return with_places(function, kernels)[0]
 
 
 def with_places(function: Function, kernels: Kernels) -> tuple[Function, Sequence[int]]:
-    """As `inlined`, and where the value of each node is then; of a call that of its first result."""
+    """Return `inlined`, and the new index of each node; for a call that of its first result."""
     if not any(node.op is Op.CALL for node in function.nodes):
         return function, range(len(function.nodes))
     nodes: list[Node] = []
     index: dict[Node, int] = {}
     place: list[int] = []
-    results: dict[int, tuple[int, ...]] = {}  # a call -> where its results are
-
+    results: dict[int, tuple[int, ...]] = {}  # a call -> the new indices of its results
     one = Node(Op.CONST, value=ONE)
 
     def put(node: Node, args: tuple[int, ...]) -> int:
-        if node.op is Op.MUL and (factor := index.get(one)) in args:
-            return args[args[0] == factor]  # to the bit
+        factor = index.get(one)
+        if node.op is Op.MUL and factor in args:
+            return args[args[0] == factor]  # 1 x is x, to the bit
         new = node.over(args)
         position = index.setdefault(new, len(nodes))
         if position == len(nodes):
@@ -83,8 +83,10 @@ def with_places(function: Function, kernels: Kernels) -> tuple[Function, Sequenc
 
 
 def select(module: Module, names: dict[str, str]) -> Module:
-    """The functions called by the keys of ``names``, renamed to its values, in that order; with what they need of
-    `prepare` and of the kernels."""
+    """Return a module with some functions of ``module``, and with the parts of `prepare` and of the kernels they need.
+
+    ``names`` has the new name by old name, in the order of the new module.
+    """
     functions = tuple(replace(module.function(old), name=new) for old, new in names.items())
     used = frozenset(node.name or "" for f in functions for node in f.nodes if node.op is Op.INPUT)
     prepare = module.prepare and keep_outputs(module.prepare, used, module.prepare.name)
@@ -95,7 +97,16 @@ def select(module: Module, names: dict[str, str]) -> Module:
 
 
 def keep_outputs(function: Function, names: frozenset[str], name: str) -> Function:
-    """The function with the outputs in ``names`` only, under another name."""
+    """Return a function with some of its outputs.
+
+    Args:
+        function: the function.
+        names: the outputs to keep.
+        name: the name of the new function.
+
+    Returns:
+        The function, without nodes that these outputs do not need.
+    """
     kept = [i for i, port in enumerate(function.outputs) if port.name in names]
     outputs = tuple(function.outputs[i] for i in kept)
     results = tuple(function.results[i] for i in kept)
@@ -103,7 +114,7 @@ def keep_outputs(function: Function, names: frozenset[str], name: str) -> Functi
 
 
 def inline_prepare(function: Function, prepare: Function | None) -> Function:
-    """``function`` without PREPARED inputs: contract inputs first, then every tunable parameter it needs."""
+    """Return ``function`` without PREPARED inputs: it takes its other inputs, then the tunable parameters it needs."""
     wanted = {port.name for port in function.inputs if port.role is Role.PREPARED}
     own = tuple(port for port in function.inputs if port.role is Role.GEOMETRY)
     asked = contract(function)
@@ -118,32 +129,42 @@ def inline_prepare(function: Function, prepare: Function | None) -> Function:
             continue
         nodes.append(node.over(tuple(place[a] for a in node.args)))
         place.append(len(nodes) - 1)
-    tunables = prepare.inputs + tuple(p for p in own if p.name not in {q.name for q in prepare.inputs})
+    known = {port.name for port in prepare.inputs}
+    tunables = prepare.inputs + tuple(port for port in own if port.name not in known)
     return pruned(rebuilt(replace(function, inputs=asked + tunables), nodes, dict(enumerate(place))))
 
 
 def self_contained(module: Module) -> tuple[Function, ...]:
-    """Every function of ``module``, self-contained."""
+    """Return every function of ``module`` without PREPARED inputs."""
     return tuple(inline_prepare(function, module.prepare) for function in module.functions)
 
 
 def defaults(function: Function) -> dict[str, float]:
-    """Nominal values of the tunable inputs."""
+    """Return the nominal values of the tunable inputs."""
     return {port.name: float(port.default) for port in function.inputs if port.default is not None}
 
 
 def nominal(module: Module) -> dict[str, float]:
-    """Nominal values of the tunable parameters of ``module``."""
+    """Return the nominal values of the tunable parameters of ``module``."""
     return {name: value for f in module.every for name, value in defaults(f).items()}
 
 
 def complete(function: Function, case: Mapping[str, float]) -> list[float]:
-    """The values of ``case`` in order of the inputs, tunables left out nominal. UsageError for a gap."""
+    """Return the values of ``case`` in the order of the inputs; tunable inputs may be left out. See `in_order`."""
     return in_order(function.name, [port.name for port in function.inputs], {**defaults(function), **case})
 
 
 def in_order(function: str, inputs: Sequence[str], values: Mapping[str, float]) -> list[float]:
-    """Of ``values`` those of ``inputs``. UsageError where the ``function`` needs one that is not there."""
+    """Return the values of inputs in their order.
+
+    Args:
+        function: the name of the function, for the error.
+        inputs: the names of its inputs.
+        values: values by name, possibly of other inputs too.
+
+    Raises:
+        UsageError: an input has no value.
+    """
     missing = [name for name in inputs if name not in values]
     if missing:
         raise UsageError(f"{function} needs a value for {', '.join(missing)}")
@@ -151,7 +172,7 @@ def in_order(function: str, inputs: Sequence[str], values: Mapping[str, float]) 
 
 
 def hand_through(module: Module) -> Module:
-    """``module`` whose step functions read geometry only from `prepare`, which hands raw values through."""
+    """Return ``module`` with tunable parameters passed through `prepare`: step functions read no geometry directly."""
     direct: dict[str, Port] = {}
     for function in module.functions:
         direct |= {port.name: port for port in function.inputs if port.role is Role.GEOMETRY}
@@ -170,8 +191,8 @@ def hand_through(module: Module) -> Module:
         outputs=prepare.outputs + tuple(passed.values()),
         results=prepare.results + tuple(range(start, start + len(direct))),
     )
-    functions = tuple(
-        replace(f, inputs=tuple(passed.get(p.name, p) if p.role is Role.GEOMETRY else p for p in f.inputs))
-        for f in module.functions
-    )
-    return replace(module, functions=functions, prepare=prepare)
+    functions = []
+    for function in module.functions:
+        ports = [passed.get(p.name, p) if p.role is Role.GEOMETRY else p for p in function.inputs]
+        functions.append(replace(function, inputs=tuple(ports)))
+    return replace(module, functions=tuple(functions), prepare=prepare)

@@ -1,8 +1,8 @@
-"""What depends on geometry alone: it is known before the other inputs are.
+"""Values that depend on geometry alone, which are known before the other inputs.
 
-A geometry-only value is a constant times a monomial: a product of whole powers of atoms. Atoms are nodes of the
-builder: inputs, functions, and sums whose first coefficient is one. So proportional values meet in one monomial,
-whatever way they were written.
+Such a value is kept as a constant times a monomial: a product of whole powers of atoms. Atoms are nodes of the builder:
+inputs, functions, and sums whose first coefficient is one. Proportional values therefore have the same monomial,
+however they were written.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from wmrgen.ir.build import Builder
 from wmrgen.ir.linear_program import Coefficient
 from wmrgen.ir.nodes import Function, Op, Role, pruned, rebuilt
 
-Monomial = tuple[tuple[int, int], ...]  # ((builder's node, power), ...) by node
+Monomial = tuple[tuple[int, int], ...]  # (node of the builder, power), in the order of the nodes
 Form = dict[Monomial, Exact]  # a sum of monomials with non-zero coefficients
 
 
 def geometry_only(function: Function) -> list[bool]:
-    """For every node whether it depends on constants, geometry and prepared inputs alone."""
+    """Return by node whether it depends on constants, geometry and prepared inputs alone."""
     names = {port.name for port in function.inputs if port.role in (Role.GEOMETRY, Role.PREPARED)}
     early: list[bool] = []
     for node in function.nodes:
@@ -26,7 +26,7 @@ def geometry_only(function: Function) -> list[bool]:
 
 
 def unguarded(function: Function) -> Function:
-    """``function`` without what keeps divisors of geometry alone off zero: for callers who vouch for their geometry."""
+    """Return ``function`` without guards of divisors that depend on geometry alone, for geometry that is known."""
     early = geometry_only(function)
     guards = {i for i, node in enumerate(function.nodes) if node.op is Op.AT_LEAST and early[i]}
     if not guards:
@@ -39,7 +39,13 @@ def unguarded(function: Function) -> Function:
 
 
 def times(a: Monomial, b: Monomial, power: int = 1) -> Monomial:
-    """a * b**power."""
+    """Return a * b**power.
+
+    Args:
+        a: a monomial.
+        b: a monomial.
+        power: a whole number, not 0.
+    """
     if not b:
         return a
     powers = dict(a)
@@ -49,7 +55,13 @@ def times(a: Monomial, b: Monomial, power: int = 1) -> Monomial:
 
 
 def accumulate(form: Form, monomial: Monomial, value: Exact) -> None:
-    """form += value * monomial."""
+    """Add value * monomial to a form, in place.
+
+    Args:
+        form: the form.
+        monomial: the monomial.
+        value: its coefficient, not 0.
+    """
     before = form.get(monomial)
     total = value if before is None else before + value
     if total:
@@ -59,7 +71,7 @@ def accumulate(form: Form, monomial: Monomial, value: Exact) -> None:
 
 
 class Scalars:
-    """The geometry-only nodes of a function as canonical sums of monomials."""
+    """The geometry-only nodes of a function, as sums of monomials in a canonical form."""
 
     __slots__ = ("_builder", "_forms", "_function", "_singles")
 
@@ -103,17 +115,17 @@ class Scalars:
         return {((node, 1),): ONE} if scaled is None else {((scaled[1], 1),): scaled[0]}
 
     def form(self, i: int) -> Form:
-        """Node ``i`` of the function, geometry-only, as a sum of monomials."""
+        """Return geometry-only node ``i`` of the function as a sum of monomials."""
         return self._forms[i]
 
     def factors(self, i: int) -> tuple[Exact, Monomial]:
-        """Node ``i`` of the function, geometry-only, as one constant times one monomial."""
+        """Return geometry-only node ``i`` of the function as a constant times a monomial."""
         if i not in self._singles:
             self._singles[i] = self.single(self._forms[i])
         return self._singles[i]
 
     def single(self, form: Form) -> tuple[Exact, Monomial]:
-        """``form`` as one constant times one monomial; a sum becomes an atom of its own."""
+        """Return ``form`` as a constant times a monomial; a sum becomes an atom of its own."""
         if not form:
             return ZERO, ()
         if len(form) == 1:
@@ -126,16 +138,16 @@ class Scalars:
         return lead, ((total, 1),)
 
     def coefficient(self, form: Form) -> Coefficient:
-        """``form`` as a coefficient of a linear map."""
+        """Return ``form`` as a coefficient of a linear map."""
         value, monomial = self.single(form)
         return Coefficient(value, monomial or None)
 
     def node_of(self, form: Form) -> int:
-        """The builder's node of ``form``."""
+        """Return the builder's node of ``form``."""
         return self._scaled(*self.single(form))
 
     def scale(self, coefficient: Coefficient, node: int) -> int:
-        """coefficient * node, the coefficient computed apart from the node."""
+        """Return coefficient * node; the coefficient is computed before it is multiplied with the node."""
         monomial = coefficient.atom
         if not isinstance(monomial, tuple):
             return self._builder.mul(self._builder.const(coefficient.value), node)

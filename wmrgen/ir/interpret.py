@@ -1,10 +1,10 @@
-"""One interpreter over three arithmetics, exact, float64 and float32, in list order; and many points at once.
+"""One interpreter for three arithmetics (exact, float64, float32) in list order, and for many points at once.
 
-Exact values are elements of Q(√2, √3). A square root that leaves the field, a sine, a cosine and an arctangent are
-rational numbers good to 60 digits; everything else is exact. The float arithmetics follow IEEE 754 and C99: a quotient
-by zero is an infinity or NaN, never an exception. float32 operations are float64 operations rounded once more, which
-for + - * / and sqrt is the correctly rounded float32 result (Figueroa 1995: 53 >= 2 * 24 + 2). In float32 and float64
-the interpreter predicts generated C compiled with ``-ffp-contract=off`` bit for bit, library functions aside.
+Exact values are elements of Q(√2, √3). Square roots that are not in the field, sines, cosines and arctangents are
+rational numbers to 60 digits; all other operations are exact. The float arithmetics follow IEEE 754 and C99: a quotient
+by zero is an infinity or NaN, and raises no exception. float32 operations are float64 operations that are rounded once
+more. For + - * / and sqrt that is the correctly rounded float32 result (Figueroa 1995: 53 >= 2 * 24 + 2). So the
+interpreter predicts generated C compiled with ``-ffp-contract=off`` bit for bit, except for library functions.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ Number = Exact | Fraction | int | float
 
 
 class Arithmetic(NamedTuple):
-    """How to compute: ``enter`` takes a number in, ``of`` says what an operation does to such numbers."""
+    """A kind of numbers to compute with."""
 
-    enter: Callable[[Any], Any]
-    of: Callable[[Op], Callable[..., Any]]
+    enter: Callable[[Any], Any]  # converts a number into this kind
+    of: Callable[[Op], Callable[..., Any]]  # returns the function that an operation is for this kind
 
 
 def _exact(value: Number) -> Exact:
@@ -36,7 +36,7 @@ def _exact(value: Number) -> Exact:
 
 
 def _shortened(value: Exact, digits: int) -> Exact:
-    """``value``, or its first ``digits`` digits where its denominator has more than twice as many."""
+    """Return ``value``, rounded to ``digits`` digits if its denominator has more than twice as many."""
     longest = digits * 10 // 3  # in bits
     if value.den.bit_length() < 2 * longest:
         return value
@@ -48,16 +48,16 @@ def _shortened(value: Exact, digits: int) -> Exact:
 
 
 def in_the_field(digits: int) -> Arithmetic:
-    """Exact arithmetic, except that a number with more than twice as many digits keeps that many.
+    """Return exact arithmetic in which numbers of more than 2 * ``digits`` digits are rounded to ``digits``.
 
-    The sine of an odd angle has 60 digits, and every product of such numbers is longer.
+    Without a limit numbers grow: the sine of an arbitrary angle has 60 digits, and each product has more.
     """
 
     @cache
     def of(op: Op) -> Callable[..., Exact]:
         meaning = op.exact
         if meaning is None:
-            raise KeyError(f"{op} is an operation of floats alone")
+            raise KeyError(f"operation {op} is defined for floats only")
         return lambda *args: _shortened(meaning(*args), digits)
 
     return Arithmetic(_exact, of)
@@ -71,16 +71,23 @@ def _enter32(value: Number) -> float:
     return nearest_float32(value) if isinstance(value, float) else to_float32(Exact.of(value))
 
 
-EXACT = in_the_field(2_000)  # 64 Swedish wheels at odd angles, all tunable, reach tens of thousands of digits
+# Without the limit, 64 tunable Swedish wheels at arbitrary angles reach tens of thousands of digits.
+EXACT = in_the_field(2_000)
 FLOAT64 = Arithmetic(_enter64, attrgetter("float64"))
 FLOAT32 = Arithmetic(_enter32, attrgetter("float32"))
 
 
 def evaluate_nodes(function: Function, inputs: Mapping[str, Number], arithmetic: Arithmetic) -> list[Any]:
-    """The value of every node, in list order. Inputs left out take the default of their port.
+    """Return the value of every node, in list order.
 
-    UsageError where an input has neither value nor default; ZeroDivisionError and ValueError (exact arithmetic only)
-    where a quotient or a square root is undefined.
+    Args:
+        function: the function.
+        inputs: values by input name; an input that is left out takes the default of its port.
+        arithmetic: what to compute with.
+
+    Raises:
+        UsageError: an input has neither value nor default.
+        ZeroDivisionError, ValueError: a quotient or a square root is undefined (exact arithmetic only).
     """
     defaults = {port.name: port.default for port in function.inputs}
     of, enter = arithmetic.of, arithmetic.enter
@@ -103,14 +110,33 @@ def evaluate_nodes(function: Function, inputs: Mapping[str, Number], arithmetic:
 
 
 def evaluate(function: Function, inputs: Mapping[str, Number], arithmetic: Arithmetic) -> dict[str, Any]:
-    """Output name to value: `Exact` in exact arithmetic, float (a float32 as float) otherwise."""
+    """Return the outputs by name.
+
+    Args:
+        function: the function.
+        inputs: values by input name, see `evaluate_nodes`.
+        arithmetic: what to compute with.
+
+    Returns:
+        `Exact` in exact arithmetic, otherwise float (a float32 as float).
+    """
     return function.outputs_of(evaluate_nodes(function, inputs, arithmetic))
 
 
 def evaluate_module(
     module: Module, name: str, inputs: Mapping[str, Number], arithmetic: Arithmetic
 ) -> dict[str, Any]:
-    """`evaluate` of the function called ``name``, without calls, after ``prepare`` where the module has one."""
+    """Return the outputs of a function of a module, after `prepare` if the module has one.
+
+    Args:
+        module: the module.
+        name: the function's name.
+        inputs: values by input name, tunable parameters included.
+        arithmetic: what to compute with.
+
+    Returns:
+        The outputs by name, see `evaluate`.
+    """
     function = inlined(module.function(name), by_name(module.kernels))
     whole: dict[str, Number] = dict(inputs)
     if module.prepare is not None and any(port.role is Role.PREPARED for port in function.inputs):
@@ -119,7 +145,16 @@ def evaluate_module(
 
 
 def values_of(function: Function, inputs: Mapping[str, Any], kind: Any) -> list[Any]:
-    """Every node at many points at once, in NumPy's arithmetic of ``kind``: the last place may be another."""
+    """Return the values of every node at many points at once.
+
+    Args:
+        function: the function.
+        inputs: arrays by input name, one value per point.
+        kind: np.float32 or np.float64. Library functions are NumPy's, so that their last digit may differ.
+
+    Returns:
+        By node an array over the points, or one number for a constant.
+    """
 
     def enter(value: Any) -> Any:
         return kind(to_float64(value)) if isinstance(value, Exact) else value.astype(kind)

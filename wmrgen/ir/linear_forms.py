@@ -1,10 +1,10 @@
-"""Linear forms: all sums of a function together, as maps over its non-linear terms.
+"""Linear forms: all sums of a function, as linear maps of its non-linear terms.
 
-A row is an output or an argument of a non-linear operation; its terms are inputs and non-linear operations, its
-coefficients constants or geometry-only values. Rows that share terms are given to the search of
-`wmrgen.ir.linear_search` at once. How far sums are expanded is tried three ways: into each other entirely, down to
-other rows and every shared sum, and down to every sum of values, too, that are known before the rest of the sum that it
-stands in: such a part may share with earlier rows.
+A row is an output or an argument of a non-linear operation. Its terms are inputs and non-linear operations, and its
+coefficients are constants or geometry-only values. The search of `wmrgen.ir.linear_search` gets all rows that share
+terms at once. Sums are expanded in three ways, and the cheapest result is taken: completely; down to other rows and
+shared sums; and down to those and to partial sums that are known earlier than the rest of their sum, which may share
+terms with earlier rows.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from wmrgen.ir.nodes import Function, Op, pruned, rebuilt
 
 Rows = dict[int, dict[int, Coefficient]]  # row's node -> term -> coefficient
 _SUMS = (Op.ADD, Op.SUB)
-_MANY = 700  # nodes of a function whose sums are not expanded past what is shared
-_GROWTH = 3  # expanding may make the rows this many times longer than keeping shared sums
+_MANY = 700  # nodes: sums of longer functions are not expanded completely, which takes too long
+_GROWTH = 3  # expanded rows may have this many times the entries of rows with shared sums [1]
 
 
 def share_linear_forms(function: Function) -> Function:
-    """``function`` with every sum computed by the cheapest program found."""
+    """Return ``function`` with every sum computed by the cheapest program found."""
     shape = _Shape.of(function)
     builder = Builder()
     scalars = Scalars(function, builder, shape.early)
@@ -53,15 +53,16 @@ def share_linear_forms(function: Function) -> Function:
 
 
 class _Shape(NamedTuple):
-    """What kind every node is: known before the step, part of a sum, a row. ``stops``: rows and shared sums."""
+    """The kinds of the nodes of a function."""
 
-    early: list[bool]
-    linear: list[bool]
-    rows: list[int]
-    stops: frozenset[int]
+    early: list[bool]  # by node: whether it depends on geometry alone
+    linear: list[bool]  # by node: whether it is part of a sum
+    rows: list[int]  # outputs and arguments of non-linear operations that are part of a sum
+    stops: frozenset[int]  # rows and shared sums
 
     @staticmethod
     def of(function: Function) -> _Shape:
+        """Return the kinds of the nodes of ``function``."""
         early = geometry_only(function)
         nodes = function.nodes
         linear: list[bool] = []
@@ -90,9 +91,10 @@ class _Shape(NamedTuple):
 
 
 def _early(function: Function, shape: _Shape, scalars: Scalars, kept: frozenset[int]) -> frozenset[int]:
-    """Sums in sums of which another part needs more products, roots and the like one after the other.
+    """Return partial sums that are known earlier than the rest of their sum.
 
-    Only those that have two terms in common with a row that is computed anyway, so that there is something to share.
+    The rest needs more non-linear operations one after the other. Only partial sums that have two terms in common with
+    another row are returned, because others have nothing to share.
     """
     nodes, linear = function.nodes, shape.linear
     depth: list[int] = []
@@ -114,7 +116,7 @@ def _rows(
     kept: frozenset[int],
     limit: int,
 ) -> Rows | None:
-    """Every row over its terms, None where they grow beyond ``limit`` entries.
+    """Return the coefficients of every row by term, or None if there are more than ``limit`` in all.
 
     A term is a node of the function, or -1 - n for node n of the builder (a geometry-only addend).
     """
@@ -138,7 +140,7 @@ def _rows(
 def _expand(
     function: Function, shape: _Shape, scalars: Scalars, root: int, kept: frozenset[int], limit: int
 ) -> tuple[dict[int, Form], Form] | None:
-    """The sum at ``root``: coefficients by term, and the geometry-only addend."""
+    """Return (coefficients by term, geometry-only addend) of the sum ``root``, or None if it takes too many steps."""
     terms: dict[int, Form] = {}
     constant: Form = {}
     stack: list[tuple[int, Exact, Monomial]] = [(root, ONE, ())]
@@ -161,7 +163,7 @@ def _expand(
 def _parts(
     function: Function, shape: _Shape, scalars: Scalars, i: int, value: Exact, monomial: Monomial
 ) -> list[tuple[int, Exact, Monomial]]:
-    """The addends of linear node ``i`` times a coefficient, the last one first."""
+    """Return the addends of linear node ``i`` times a coefficient, the last one first."""
     node = function.nodes[i]
     if node.op in _SUMS:
         a, b = node.args
@@ -179,14 +181,15 @@ def _parts(
 
 @dataclass(slots=True)
 class _Plan:
-    """Programs of all groups of rows, the coefficients in them and their terms; each row's (group, output)."""
+    """The programs of all rows."""
 
+    # (program, its coefficients, its terms) of each group of rows
     groups: list[tuple[Graph, Sequence[Coefficient], list[int]]] = field(default_factory=list)
-    place: dict[int, tuple[int, int]] = field(default_factory=dict)
+    place: dict[int, tuple[int, int]] = field(default_factory=dict)  # (group, output) by row
 
     @property
     def cost(self) -> tuple[int, int]:
-        """(additions + multiplications, multiplications) of all programs."""
+        """Return (additions + multiplications, multiplications) of all programs."""
         costs = [graph.cost for graph, *_ in self.groups]
         return sum(cost[0] for cost in costs), sum(cost[1] for cost in costs)
 
@@ -204,7 +207,7 @@ def _plan(function: Function, rows: Rows) -> _Plan:
 
 
 def _groups(function: Function, rows: Rows) -> list[list[int]]:
-    """Rows that share terms and stand on the same level of nesting, in order of their first row."""
+    """Return groups of rows that share terms and have the same level of nesting, in the order of their first rows."""
     level = [0] * len(function.nodes)
     leader: dict[tuple[int, int], int] = {}
     parent: dict[int, int] = {root: root for root in rows}

@@ -1,8 +1,8 @@
 """Programs of linear maps y = M t as graphs, their transposes, and the operations that they become.
 
-Every node has the value  factor * (+- source +- source ...).  Reversing all edges of a graph of a map M gives a graph
-of its transpose with the same multiplications, and as many more additions as M has more rows than columns (Tellegen's
-principle). So a program may be sought on either side.
+Every node has the value  factor * (+- source +- source ...).  Reversing all edges of a graph of M gives a graph of its
+transpose. It has the same multiplications, and as many more additions as M has more rows than columns (Tellegen's
+principle). So a program may be searched for on either side.
 """
 
 from __future__ import annotations
@@ -18,16 +18,17 @@ Edge = tuple[int, int]  # (node, sign)
 
 
 class Coefficient(NamedTuple):
-    """``value`` times an opaque non-zero quantity ``atom`` (None: nothing but the value)."""
+    """A coefficient of a linear map: a number times a quantity that is known to be non-zero."""
 
     value: Exact
-    atom: Hashable = None
+    atom: Hashable = None  # the quantity; None if the coefficient is a number
 
 
 class Magnitudes:
-    """Coefficients up to sign as small integers; 0 is the coefficient one.
+    """Numbers coefficients up to their sign; number 0 is the coefficient one.
 
-    The sign is that of the first non-zero part, not of the number: cheap, and as good here.
+    The sign is taken from the first non-zero part of a number of the field. It need not be that of the number, but it
+    is cheap to find and serves as well.
     """
 
     __slots__ = ("_index", "_inverses", "_ratios", "table")
@@ -40,7 +41,7 @@ class Magnitudes:
         self.split(Coefficient(ONE))
 
     def split(self, coefficient: Coefficient) -> tuple[int, int]:
-        """(magnitude, sign) of a non-zero coefficient."""
+        """Return (magnitude, sign) of a non-zero coefficient."""
         value, sign = coefficient.value, 1
         for part in value.num:
             if part:
@@ -55,7 +56,7 @@ class Magnitudes:
         return index, sign
 
     def ratio(self, a: int, b: int) -> tuple[int, int] | None:
-        """a / b as (magnitude, sign); None where it is no coefficient."""
+        """Return a / b as (magnitude, sign), or None if it is not a coefficient."""
         if a == b:
             return 0, 1
         if b == 0:
@@ -64,7 +65,7 @@ class Magnitudes:
             p, q = self.table[a], self.table[b]
             comparable = q.atom is None or q.atom == p.atom
             atom = None if q.atom == p.atom else p.atom
-            if comparable and b not in self._inverses:  # many are divided by each
+            if comparable and b not in self._inverses:  # each divides many others
                 self._inverses[b] = q.value.inverse()
             self._ratios[a, b] = (
                 self.split(Coefficient(p.value * self._inverses[b], atom)) if comparable else None
@@ -74,19 +75,19 @@ class Magnitudes:
 
 @dataclass(slots=True)
 class Graph:
-    """Nodes 0 .. inputs-1 are the inputs. ``outputs[i]`` is a signed node, None for zero."""
+    """A program of a linear map. Nodes 0 .. inputs-1 are its inputs."""
 
     inputs: int
-    factors: list[int] = field(default_factory=list)
-    sources: list[list[Edge]] = field(default_factory=list)
-    outputs: list[Edge | None] = field(default_factory=list)
+    factors: list[int] = field(default_factory=list)  # magnitude by node
+    sources: list[list[Edge]] = field(default_factory=list)  # signed addends by node
+    outputs: list[Edge | None] = field(default_factory=list)  # signed nodes, None for zero
 
     def __post_init__(self) -> None:
         self.factors += [0] * self.inputs
         self.sources += [[] for _ in range(self.inputs)]
 
     def add(self, sources: list[Edge], factor: int = 0) -> Edge:
-        """The signed node of factor * sum; an old one where nothing has to be computed."""
+        """Return the signed node of factor * sum; a source itself if nothing has to be computed."""
         if len(sources) == 1 and factor == 0:
             return sources[0]
         self.factors.append(factor)
@@ -95,14 +96,14 @@ class Graph:
 
     @property
     def cost(self) -> tuple[int, int]:
-        """(additions + multiplications, multiplications)."""
+        """Return (additions + multiplications, multiplications)."""
         multiplications = sum(1 for factor in self.factors if factor)
         additions = sum(len(edges) - 1 for edges in self.sources if edges)
         return additions + multiplications, multiplications
 
 
 def transpose(graph: Graph) -> Graph:
-    """The graph of the transposed map; it has no unneeded nodes when ``graph`` has none."""
+    """Return the graph of the transposed map; it has no unneeded nodes if ``graph`` has none."""
     size = len(graph.factors)
     users: list[list[Edge]] = [[] for _ in range(size)]
     for node, edges in enumerate(graph.sources):
@@ -130,7 +131,7 @@ Scale = Callable[[Coefficient, int], int]  # coefficient times node
 
 
 class Emitter:
-    """Emits the nodes that an output needs, when it is asked for. Terms must stand by then."""
+    """Makes the nodes of one program, those of each output when it is requested; its terms must exist by then."""
 
     def __init__(self, graph: Graph, factors: Sequence[Coefficient], builder: Builder, scale: Scale) -> None:
         self._graph, self._builder, self._scale = graph, builder, scale
@@ -139,7 +140,7 @@ class Emitter:
         self._place: dict[int, int] = {}
 
     def output(self, index: int, term: Callable[[int], int]) -> int:
-        """The builder's node of output ``index``; ``term(j)`` is that of input j."""
+        """Return the builder's node of output ``index``; ``term(j)`` is that of input j."""
         edge = self._graph.outputs[index]
         if edge is None:
             return self._builder.const(Exact(0))
@@ -169,7 +170,7 @@ class Emitter:
         return self._sum([(source, sign * polarity) for source, sign in edges])
 
     def _sum(self, edges: Sequence[Edge]) -> int:
-        """The sum of the signed nodes, a positive one first."""
+        """Return the sum of signed nodes, starting with a positive one."""
         first = next((k for k, (_, sign) in enumerate(edges) if sign > 0), None)
         builder, nodes = self._builder, self._place
         if first is None:
@@ -182,10 +183,11 @@ class Emitter:
 
 
 def polarities(graph: Graph) -> list[int]:
-    """For every node whether it or its negative is computed, so that every sum has a positive term.
+    """Return by node 1 if it is computed and -1 if its negative is, so that every sum has a positive term.
 
-    Products take either sign for free (the constant changes), sums wherever one term is positive. From the outputs
-    down go the signs that users wish for, then upwards what the sums allow.
+    A product can have either sign at no cost, because its constant changes. A sum can if one of its terms is positive.
+    The signs that users need are passed from the outputs down, then corrected from the inputs up where a sum has no
+    positive term.
     """
     size = len(graph.factors)
     wish = [0] * size

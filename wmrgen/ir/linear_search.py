@@ -1,8 +1,8 @@
-"""The search for a cheap program of a linear map: several strategies, the cheapest result.
+"""The search for a cheap program of a linear map: several strategies, of which the cheapest result is taken.
 
 `by_products` multiplies first (each input by each magnitude of its column), then shares signed pairs of products.
-`by_ratios` shares pairs t_i + rho t_j, then factors what is left of each row. Input scalings come with `by_products`,
-output scalings from normalised rows, and both swap on the transposed problem.
+`by_ratios` shares pairs t_i + rho t_j, then factors the rest of each row. `by_products` finds common scalings of
+inputs, normalised rows those of outputs, and both are exchanged on the transposed problem.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from itertools import combinations
 
 from wmrgen.ir.linear_program import Coefficient, Edge, Graph, Magnitudes, transpose
 
-Matrix = tuple[tuple[tuple[int, Coefficient], ...], ...]  # of every row (column, coefficient)
+Matrix = tuple[tuple[tuple[int, Coefficient], ...], ...]  # rows of (column, coefficient)
 Row = dict[int, tuple[int, int]]  # column -> (magnitude, sign)
 PairKey = tuple[int, ...]
 Pairs = Iterable[tuple[int, int]]
@@ -24,7 +24,7 @@ KeyOf = Callable[[int, tuple[int, int], int, tuple[int, int]], PairKey | None]
 def _shared(
     rows: Sequence[Row], pairs: Iterable[tuple[int, Pairs]], key_of: KeyOf
 ) -> dict[PairKey, set[int]]:
-    """By its key, which rows have each of their ``pairs`` of columns, where two rows have it."""
+    """Return the rows that have each pair of columns, by its key, for pairs that at least two rows have."""
     where: dict[PairKey, set[int]] = {}
     for r, columns in pairs:
         row = rows[r]
@@ -36,10 +36,11 @@ def _shared(
 
 
 def _merge_pairs(rows: Sequence[Row], key_of: KeyOf, merge: Callable[[PairKey], Edge]) -> None:
-    """Greedily replace the pair of terms that most rows share, while two rows share one.
+    """Replace the pair of terms that most rows share by a new term, until no two rows share a pair.
 
-    Keys begin (column, column, ...); ties fall to the least key. ``merge`` makes the new term, the last column. A pair
-    that one row has is never shared later: rows are only given pairs with a new term.
+    Keys start with the two columns; among equally common pairs the least key is taken. ``merge`` makes the new term,
+    which becomes the last column. A pair that only one row has cannot become shared later, because rows only get pairs
+    with new terms.
     """
     where = _shared(rows, ((r, combinations(sorted(row), 2)) for r, row in enumerate(rows)), key_of)
     while where:
@@ -62,7 +63,16 @@ def _merge_pairs(rows: Sequence[Row], key_of: KeyOf, merge: Callable[[PairKey], 
 
 
 def by_products(columns: int, rows: Sequence[Row], scales: Sequence[int]) -> Graph:
-    """The graph of  y_i = scales[i] * sum_j rows[i][j] t_j  that multiplies inputs first."""
+    """Return a graph of  y_i = scales[i] * sum_j rows[i][j] t_j  that multiplies inputs first.
+
+    Args:
+        columns: the number of inputs t_j.
+        rows: (magnitude, sign) by column, of each output.
+        scales: the magnitude that each output is multiplied by.
+
+    Returns:
+        The graph.
+    """
     graph = Graph(columns)
     products: dict[tuple[int, int], int] = {}
     signed: list[dict[int, tuple[int, int]]] = []
@@ -86,7 +96,16 @@ def by_products(columns: int, rows: Sequence[Row], scales: Sequence[int]) -> Gra
 
 
 def by_ratios(columns: int, rows: Sequence[Row], magnitudes: Magnitudes) -> Graph:
-    """The graph of  y_i = sum_j rows[i][j] t_j  that shares pairs of any ratio first."""
+    """Return a graph of  y_i = sum_j rows[i][j] t_j  that first shares pairs of terms in any ratio.
+
+    Args:
+        columns: the number of inputs t_j.
+        rows: (magnitude, sign) by column, of each output.
+        magnitudes: the coefficients that magnitudes stand for.
+
+    Returns:
+        The graph.
+    """
     graph = Graph(columns)
     rest = [dict(row) for row in rows]
     products: dict[tuple[int, int], int] = {}
@@ -107,7 +126,7 @@ def by_ratios(columns: int, rows: Sequence[Row], magnitudes: Magnitudes) -> Grap
 
 
 def _factored(graph: Graph, row: Row, product: Callable[[int, int], int]) -> Edge | None:
-    """One row, its terms of equal magnitude multiplied together."""
+    """Return one row; terms of equal magnitude are added before they are multiplied."""
     groups: dict[int, list[Edge]] = {}
     for column, (magnitude, sign) in sorted(row.items()):
         groups.setdefault(magnitude, []).append((column, sign))
@@ -120,10 +139,11 @@ def _factored(graph: Graph, row: Row, product: Callable[[int, int], int]) -> Edg
     return graph.add(edges) if edges else None
 
 
-@lru_cache(maxsize=1024)  # a matrix comes up in several ways of expanding, and in several functions
+@lru_cache(
+    maxsize=1024
+)  # the same matrix occurs in several functions, and when sums are expanded differently
 def cheapest(matrix: Matrix, columns: int) -> tuple[Graph, Sequence[Coefficient]]:
-    """The cheapest graph found of  y_i = sum_j matrix[i][j] t_j  over ``columns`` terms, and what its factors stand
-    for."""
+    """Return the cheapest graph found of  y_i = sum_j matrix[i][j] t_j  of ``columns`` terms, and its coefficients."""
     magnitudes = Magnitudes()
     whole = [{j: magnitudes.split(c) for j, c in sorted(row) if c.value} for row in matrix]
     distinct, copies = _distinct(whole, magnitudes)
@@ -132,7 +152,7 @@ def cheapest(matrix: Matrix, columns: int) -> tuple[Graph, Sequence[Coefficient]
 
 
 def _distinct(rows: Sequence[Row], magnitudes: Magnitudes) -> tuple[list[Row], list[tuple[int, int, int]]]:
-    """Rows no two of which are proportional, and each row as (index, magnitude, sign) times one."""
+    """Return rows of which no two are proportional, and each row as (index, magnitude, sign) times one of them."""
     kept: list[Row] = []
     lead: dict[tuple[tuple[int, int, int], ...], tuple[int, int, int]] = {}
     copies: list[tuple[int, int, int]] = []
@@ -141,7 +161,7 @@ def _distinct(rows: Sequence[Row], magnitudes: Magnitudes) -> tuple[list[Row], l
         shape: list[tuple[int, int, int]] = []
         for j, (magnitude, sign) in row.items():
             ratio = magnitudes.ratio(magnitude, first[0]) if len(row) > 1 else (magnitude, 1)
-            if ratio is None:  # opaque factors differ: equal rows only
+            if ratio is None:  # not a coefficient: only equal rows match
                 ratio = (-1 - magnitude, 1)
             shape.append((j, ratio[0], ratio[1] * sign * first[1]))
         key = tuple(shape)
@@ -174,12 +194,15 @@ def _pairs(rows: Sequence[Row]) -> int:
     return sum(len(row) * (len(row) - 1) // 2 for row in rows)
 
 
-_MOST_PAIRS = 2500  # of a side that is searched
+_MOST_PAIRS = 2500  # pairs of terms in a map that is searched: more take too long
 
 
 def _candidates(rows: Sequence[Row], columns: int, magnitudes: Magnitudes) -> Iterator[Graph]:
-    """Programs of the map and of its transpose; a side with many more pairs is left to the other one. Where both are
-    too large, the rows as they are."""
+    """Return programs of the map and of its transpose.
+
+    If one of them has many more pairs than the other, it is not searched. If both have too many, the rows are computed
+    as they are.
+    """
     if len(rows) == 1:  # nothing to share; only equal magnitudes to factor
         yield by_ratios(columns, rows, magnitudes)
         return
@@ -196,7 +219,7 @@ def _candidates(rows: Sequence[Row], columns: int, magnitudes: Magnitudes) -> It
 
 
 def _with_copies(graph: Graph, copies: Sequence[tuple[int, int, int]]) -> Graph:
-    """``graph`` with its outputs copied out to the proportional rows that it stands for."""
+    """Return ``graph`` with an output for every row; proportional rows are multiples of one output."""
     outputs: list[Edge | None] = []
     scaled: dict[tuple[int, int], Edge] = {}
     for k, magnitude, sign in copies:
@@ -223,7 +246,7 @@ def _commonest(row: Row) -> int:
 
 
 def _divided(rows: Sequence[Row], magnitudes: Magnitudes) -> tuple[list[Row], list[int]]:
-    """The rows divided by their commonest magnitudes, and these."""
+    """Return the rows divided by their most common magnitudes, and these magnitudes."""
     out: list[Row] = []
     scales: list[int] = []
     for row in rows:

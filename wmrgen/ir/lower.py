@@ -1,4 +1,4 @@
-"""From symbols to the IR: the one place where sympy expressions become nodes."""
+"""Lowering: the only place where sympy expressions become nodes."""
 
 from __future__ import annotations
 
@@ -16,22 +16,26 @@ from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Named, Node, Op, places, pruned, renumbered
 from wmrgen.ir.ops import OPERATIONS
 
-# Operations that are functions of sympy; functions of ours name theirs, see `wmrgen.geometry.symbolic.Operation`.
+# The operations of sympy's functions. Our own functions name theirs, see `wmrgen.geometry.symbolic.Operation`.
 _OPERATIONS: dict[type, Op] = {
     sympy.sin: Op.SIN, sympy.cos: Op.COS, sympy.atan: Op.ATAN, sympy.atan2: Op.ATAN2,
     sympy.Abs: Op.ABS, sympy.Max: Op.MAX, sympy.Min: Op.MIN,
 }  # fmt: skip
-TINY = Exact(Fraction(1, 10**12))  # divisors of geometry are kept as far from zero
+# Divisors that depend on tunable geometry are kept this far from zero [SI units]: far below any real geometry.
+TINY = Exact(Fraction(1, 10**12))
 
 
 def lower(formula: Formula, calls: bool = False, as_written: bool = False) -> Function:
-    """The formula as an IR function.
+    """Return a formula as a function of the IR.
 
     Args:
-        formula: Inputs, intermediate results and outputs in symbols.
-        calls: Results of kernels are calls, see `kernels_of`.
-        as_written: Every intermediate result is computed once, as it is written. Otherwise constant factors and signs
-            move through them.
+        formula: inputs, intermediate results and outputs in symbols.
+        calls: whether results of kernels become calls (see `kernels_of`); otherwise they are written out.
+        as_written: whether every intermediate result is computed once, as it is written. Otherwise constant factors and
+            signs move through them.
+
+    Returns:
+        The function, which has simplified operations, each distinct one once.
     """
     lowering = _Lowering(formula, formula.calls if calls else (), as_written)
     results = [lowering.node(expr) for _, expr in formula.outputs]
@@ -47,27 +51,27 @@ def lower(formula: Formula, calls: bool = False, as_written: bool = False) -> Fu
 
 
 def kernels_of(formulas: Sequence[Formula]) -> tuple[Function, ...]:
-    """The kernels that ``formulas`` call, as functions."""
+    """Return the kernels that ``formulas`` call, as functions."""
     kernels = {call.kernel.name: call.kernel for formula in formulas for call in formula.calls}
     return tuple(lower(kernel) for kernel in kernels.values())
 
 
 class _Lowering:
-    """Expressions to node ids, each distinct expression once."""
+    """Turns the expressions of one formula into nodes, each distinct expression once."""
 
     def __init__(self, formula: Formula, calls: Sequence[Call] = (), as_written: bool = False) -> None:
         self.name = formula.name
         self.builder = Builder()
         self.as_written = as_written
-        self.standing: dict[
-            int, int
-        ] = {}  # the input that stands for an intermediate result -> the node of that
+        # The placeholder input of each intermediate result -> the node that computes it.
+        self.placeholders: dict[int, int] = {}
         self.memo: dict[Expr, int] = {}
         self.names = {p.name.replace(".", "_"): p.name for p in formula.inputs}
         self.locals, self.quantities = dict(formula.locals), dict(formula.quantities)
         self.calls = {result: (call, k) for call in calls for k, result in enumerate(call.results)}
         self.parameters: set[str] = set()
-        self.geometric: list[bool] = []  # of the first nodes: whether they depend on no input but geometry
+        # By node: whether it depends on geometry alone; the list grows when it is needed.
+        self.geometric: list[bool] = []
         self.rules: dict[type, Callable[[Expr], int]] = {
             sympy.Add: self._add, sympy.Mul: self._mul, sympy.Pow: self._pow, sympy.tan: self._tan,
             sympy.Piecewise: self._select,
@@ -75,7 +79,7 @@ class _Lowering:
         }  # fmt: skip
 
     def node(self, expr: Expr) -> int:
-        """The node of an expression."""
+        """Return the node of an expression."""
         node = self.memo.get(expr)
         if node is None:
             node = self.memo[expr] = self._new(expr)
@@ -93,14 +97,14 @@ class _Lowering:
         return self.rules[type(expr)](expr)
 
     def _no_operation(self, expr: Expr) -> ValueError:
-        """The error of a builder that writes ``expr``."""
+        """Return the error for an expression that has no operation."""
         return ValueError(
             f"{self.name} writes {expr} ({type(expr).__name__}), which is no operation: "
             "take the functions of wmrgen.geometry.symbolic, and sympy.Rational or number(Exact) for numbers"
         )
 
     def named(self, results: Sequence[int]) -> tuple[Named, ...]:
-        """The intermediate results that ``results`` need, by the node they have in the finished function."""
+        """Return the intermediate results that ``results`` need, with their nodes in the finished function."""
         lowered = (
             Named(symbol.name, self.memo[symbol], self.quantities.get(symbol.name, ""))
             for symbol in self.locals
@@ -131,17 +135,17 @@ class _Lowering:
         value = self.node(self.locals[expr])
         if not self.as_written or not self.builder.nodes[value].args:
             return value
-        stands = self.builder.input(f"={expr.name}")  # no port's name
-        self.standing[stands] = value
-        return stands
+        placeholder = self.builder.input(f"={expr.name}")  # a name that no port has
+        self.placeholders[placeholder] = value
+        return placeholder
 
     def joined(self) -> tuple[tuple[Node, ...], list[int]]:
-        """The nodes, with intermediate results in place of what stands for them, and where each is."""
+        """Return the nodes with intermediate results in place of their placeholders, and the new index of each node."""
         nodes: list[Node] = []
         place: list[int] = []
         for i, node in enumerate(self.builder.nodes):
-            if i in self.standing:
-                place.append(place[self.standing[i]])
+            if i in self.placeholders:
+                place.append(place[self.placeholders[i]])
             else:
                 place.append(len(nodes))
                 nodes.append(node.over(tuple(place[arg] for arg in node.args)))
@@ -185,7 +189,7 @@ class _Lowering:
         raise self._no_operation(expr)
 
     def _nonzero(self, a: int) -> int:
-        """A divisor that depends on tunable geometry alone is kept off zero; others are guarded by construction."""
+        """Return a divisor, kept away from zero if it depends on tunable geometry alone; others are guarded already."""
         b = self.builder
         if b.value(a) is not None or not self._geometric(a):
             return a
@@ -194,8 +198,8 @@ class _Lowering:
     def _geometric(self, a: int) -> bool:
         geometric = self.geometric
         for i, node in enumerate(self.builder.nodes[len(geometric) : a + 1], len(geometric)):
-            if i in self.standing:
-                geometric.append(geometric[self.standing[i]])
+            if i in self.placeholders:
+                geometric.append(geometric[self.placeholders[i]])
             else:
                 geometric.append(
                     all(geometric[k] for k in node.args)
@@ -218,7 +222,7 @@ class _Lowering:
 
 
 def number_of(expr: Expr, other: Callable[[Expr], Exact | None] = lambda _: None) -> Exact | None:
-    """A sympy number as a field element, ``other`` of a constant that the field does not hold. None with symbols."""
+    """Return a sympy number as an element of the field, ``other`` of other constants, None for symbols."""
     if isinstance(expr, sympy.Symbol):
         return None
     if isinstance(expr, sympy.Rational):
@@ -238,7 +242,7 @@ def number_of(expr: Expr, other: Callable[[Expr], Exact | None] = lambda _: None
 
 
 def _rounded(expr: Expr) -> Exact | None:
-    """pi and powers of rationals that leave the field, to 60 digits."""
+    """Return pi, and roots of rationals that are not in the field, to 60 digits."""
     if expr is sympy.pi:
         return Exact(pi_rational())
     if not isinstance(expr, sympy.Pow) or not (expr.base.is_Rational and expr.exp.is_Rational):

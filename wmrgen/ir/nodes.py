@@ -1,9 +1,8 @@
 """The intermediate representation: a flat single-assignment list of scalar operations.
 
-A function is a tuple of nodes; a node's arguments are indices of earlier nodes. Constants are exact
-(`wmrgen.geometry.exact.Exact`, the field Q(sqrt2, sqrt3)), rounded once, by the backend that prints them. What is
-read off the
-list stands here, too: uses, what results need, an order that keeps few values alive, counts of operations.
+A function is a tuple of nodes; the arguments of a node are indices of earlier nodes. Constants are exact
+(`wmrgen.geometry.exact.Exact`, the field Q(sqrt2, sqrt3)); the back end that prints them rounds them once. This module
+also has what can be read from the list: uses, needed nodes, an order that keeps few values alive, operation counts.
 """
 
 from __future__ import annotations
@@ -22,112 +21,105 @@ __all__ = ["Function", "Limits", "Module", "Node", "Op", "Port", "Role"]
 
 
 class Node(NamedTuple):
-    """One operation. CONST carries ``value``; INPUT carries ``name`` (the name of an input port)."""
+    """One operation of a function."""
 
     op: Op
-    args: tuple[int, ...] = ()
-    value: Exact | None = None
-    name: str | None = None
+    args: tuple[int, ...] = ()  # indices of earlier nodes
+    value: Exact | None = None  # of CONST
+    name: str | None = (
+        None  # of INPUT: the input port; of CALL: the kernel; of RESULT: the number of the result
+    )
 
     @property
     def meaning(self) -> tuple[Op, tuple[int, ...]]:
-        """Operation and arguments as analyses take them: a product of a value with itself is its square."""
+        """Return operation and arguments for analyses, which treat the product of a value with itself as a square."""
         if self.op is Op.MUL and self.args[0] == self.args[1]:
             return Op.SQUARE, self.args[:1]
         return self.op, self.args
 
     def over(self, args: tuple[int, ...]) -> Node:
-        """The same operation of other arguments."""
+        """Return the same operation with other arguments."""
         return self if args == self.args else Node(self.op, args, self.value, self.name)
 
 
 class Named(NamedTuple):
-    """An intermediate result of a formula, the node that computes it, and what the report calls it, where it does."""
+    """An intermediate result of a formula."""
 
     name: str
-    node: int
-    quantity: str = ""
+    node: int  # the node that computes it
+    quantity: str = ""  # its name in the report; empty if the report does not mention it
 
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """Straight-line code: ``outputs[k]`` is computed by node ``results[k]``.
-
-    ``named``: intermediate results of the formula; passes keep them as long as they compute them.
-    ``variant_of``: the function whose inputs and intermediate results this one shares, where it gives other outputs
-    of the same formula. ``limits``: which inputs the limits of the robot bound. ``in_place``: see
-    `wmrgen.codegen.signature`.
-    ``zeros``: outputs of the formula that are 0 whatever the inputs, and that no function computes.
-    """
+    """Straight-line code: node ``results[k]`` computes ``outputs[k]``."""
 
     name: str
     inputs: tuple[Port, ...]
     nodes: tuple[Node, ...]
     outputs: tuple[Port, ...]
-    results: tuple[int, ...]
-    text: str = ""
-    named: tuple[Named, ...] = ()
+    results: tuple[int, ...]  # the node of each output
+    text: str = ""  # what the function computes, for comments and reports
+    named: tuple[Named, ...] = ()  # intermediate results of the formula that are still computed
+    # The function whose inputs and intermediate results this one shares: it has other outputs of the same formula.
     variant_of: str = ""
-    limits: Limits = Limits.NONE
-    in_place: bool = False
-    zeros: tuple[str, ...] = ()
+    limits: Limits = Limits.NONE  # which inputs are within the limits of the robot
+    in_place: bool = False  # whether an argument is input and output, see `wmrgen.codegen.signature`
+    zeros: tuple[str, ...] = ()  # outputs of the formula that are always 0, and that no function computes
 
     def outputs_of(self, values: Sequence[T]) -> dict[str, T]:
-        """The outputs by name; ``values``: one of each node."""
+        """Return the outputs by name, given a value for each node."""
         return {port.name: values[k] for port, k in zip(self.outputs, self.results, strict=True)}
 
 
 @dataclass(frozen=True, slots=True)
 class Module:
-    """All functions of a robot. ``prepare`` is None when no geometry is tunable.
-
-    The outputs of ``prepare`` are the PREPARED inputs of the other functions, by name. ``kernels``: what the functions
-    call, those that are called before those that call; a call gives their inputs in order. ``joints``: contract names
-    of those that a robot commands or senses, in the file's order; None where the functions are no robot's. ``needs``:
-    the outputs of ``prepare`` that are negative, or no numbers, for parameters that no robot can have.
-    """
+    """All functions of a robot."""
 
     name: str
     functions: tuple[Function, ...]
+    # Computes values that depend on tunable parameters alone; None if no geometry is tunable. Its outputs are the
+    # PREPARED inputs of the other functions, by name.
     prepare: Function | None = None
-    kernels: tuple[Function, ...] = ()
+    kernels: tuple[
+        Function, ...
+    ] = ()  # the functions that CALL nodes name; each only calls kernels before it
+    # Names of the joints that are commanded or sensed, in the file's order; None if the functions are no robot's.
     joints: tuple[str, ...] | None = None
+    # Outputs of ``prepare`` that are negative, or not a number, for parameters that no robot can have.
     needs: tuple[str, ...] = ()
 
     @property
     def every(self) -> tuple[Function, ...]:
-        """`prepare`, where there is one, and the functions."""
+        """Return `prepare`, if there is one, and the functions."""
         return (*((self.prepare,) if self.prepare else ()), *self.functions)
 
     def function(self, name: str) -> Function:
-        """The function called ``name``; KeyError when there is none."""
+        """Return the function called ``name``; raise KeyError if there is none."""
         return {f.name: f for f in self.functions}[name]
 
 
 def contract(function: Function) -> tuple[Port, ...]:
-    """The inputs that a caller gives at every step: no geometry."""
+    """Return the inputs that a caller gives at every step, which excludes geometry."""
     return tuple(port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
 
 
 def uses_of(function: Function) -> Counter[int]:
-    """How often each node is an argument or a result."""
+    """Return how often each node is an argument or a result."""
     uses = Counter(arg for node in function.nodes for arg in node.args)
     uses.update(function.results)
     return uses
 
 
 class Shared(NamedTuple):
-    """The part of a function that its variant has too, and that both compute alike: to the bit.
+    """The part of a function that a variant of it has as well. Both must compute it with equal bits."""
 
-    ``nodes``: those that common results need; ``uses``: how often each is an argument or a result among them.
-    """
-
-    nodes: frozenset[int]
-    uses: Counter[int]
+    nodes: frozenset[int]  # the nodes that common results need
+    uses: Counter[int]  # how often each of them is an argument or a result in this part
 
 
 def shared(function: Function, common: tuple[int, ...]) -> Shared:
-    """What the results of these numbers need."""
+    """Return the part of a function that the results with the numbers ``common`` need."""
     results = [function.results[k] for k in common]
     nodes = frozenset(places(function.nodes, results))
     uses = Counter(arg for i in nodes for arg in function.nodes[i].args)
@@ -136,7 +128,7 @@ def shared(function: Function, common: tuple[int, ...]) -> Shared:
 
 
 def places(nodes: Sequence[Node], results: Sequence[int]) -> dict[int, int]:
-    """Where each node that ``results`` need stands when the others are dropped."""
+    """Return the new index of each node that ``results`` need, when the other nodes are dropped."""
     live = bytearray(len(nodes))
     for result in results:
         live[result] = 1
@@ -149,14 +141,21 @@ def places(nodes: Sequence[Node], results: Sequence[int]) -> dict[int, int]:
 
 
 def pruned(function: Function) -> Function:
-    """``function`` with the nodes that its results need, and the names of these."""
+    """Return ``function`` without the nodes that no result needs."""
     return placed(function, places(function.nodes, function.results))
 
 
 def rebuilt(function: Function, nodes: Sequence[Node], place: Mapping[int, int]) -> Function:
-    """``function`` over ``nodes``, where the value of its node k stands at ``place[k]``.
+    """Return ``function`` with new nodes.
 
-    A pass that no longer computes a value gives it no place; a name of it is gone then.
+    Args:
+        function: the function before a pass.
+        nodes: the nodes that the pass made.
+        place: the index in ``nodes`` of the value of each old node. Values that are no longer computed have none, and
+            lose their names.
+
+    Returns:
+        The function after the pass.
     """
     named = tuple(each for each in renumbered(function.named, place) if nodes[each.node].args)
     results = tuple(place[result] for result in function.results)
@@ -164,7 +163,7 @@ def rebuilt(function: Function, nodes: Sequence[Node], place: Mapping[int, int])
 
 
 def placed(function: Function, place: Mapping[int, int]) -> Function:
-    """``function`` with the nodes that have a ``place``, each there; it lists them in that order."""
+    """Return ``function`` with its nodes moved; ``place`` has the new index of each, in ascending order."""
     return replace(
         function,
         nodes=_moved(function.nodes, place),
@@ -174,7 +173,7 @@ def placed(function: Function, place: Mapping[int, int]) -> Function:
 
 
 def renumbered(named: Iterable[Named], place: Mapping[int, int]) -> tuple[Named, ...]:
-    """Those whose node has a ``place``, there."""
+    """Return the intermediate results whose node has a new index in ``place``, with that index."""
     return tuple(each._replace(node=place[each.node]) for each in named if each.node in place)
 
 
@@ -183,9 +182,9 @@ def _moved(nodes: Sequence[Node], place: Mapping[int, int]) -> tuple[Node, ...]:
 
 
 def schedule(function: Function) -> Function:
-    """``function`` with its nodes in an order that keeps few values alive at once; unneeded ones are left out.
+    """Return ``function`` in an order that keeps few values alive at once, without unneeded nodes.
 
-    Depth first from the outputs in their order; of an operation's arguments, the one that needs more registers first
+    The order is depth first from the outputs. The argument of an operation that needs more registers comes first
     (Sethi and Ullman 1970, which is optimal for trees).
     """
     nodes = function.nodes
@@ -211,7 +210,7 @@ def schedule(function: Function) -> Function:
 
 
 def registers(nodes: tuple[Node, ...]) -> list[int]:
-    """Registers that each node needs when nothing is shared; constants need none."""
+    """Return how many registers each node needs if no value is shared; constants need none."""
     needs: list[int] = []
     for node in nodes:
         if not node.args:
@@ -223,7 +222,7 @@ def registers(nodes: tuple[Node, ...]) -> list[int]:
 
 
 class Cost(NamedTuple):
-    """How many operations of each kind one call takes."""
+    """The number of operations of each kind in one call."""
 
     additions: int = 0
     multiplications: int = 0
@@ -237,11 +236,11 @@ class Cost(NamedTuple):
 
     @property
     def flops(self) -> int:
-        """Additions and multiplications: the figure that robots are compared by."""
+        """Return additions plus multiplications, the figure by which robots are compared."""
         return self.additions + self.multiplications
 
     def __str__(self) -> str:
-        """``6 additions, 3 multiplications``; ``none``."""
+        """Return ``6 additions, 3 multiplications``, or ``none``."""
         names = (
             ("addition", "additions"), ("multiplication", "multiplications"), ("division", "divisions"),
             ("square root", "square roots"), ("sine or cosine", "sines and cosines"),
@@ -253,5 +252,5 @@ class Cost(NamedTuple):
 
 
 def count(function: Function) -> Cost:
-    """The operations in the list of ``function``; unused nodes count too."""
+    """Count the operations of ``function``, including unused nodes."""
     return Cost(**Counter(node.op.cost for node in function.nodes if node.op.cost))

@@ -1,4 +1,4 @@
-"""The order of the passes, the check of what they did, and those that look at a module: geometry moves to `prepare`."""
+"""The order of the passes, the check of their result, and `hoist`, which moves geometry to `prepare`."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.linear_forms import share_linear_forms
 from wmrgen.ir.nodes import Function, Module, Op, Port, Role, pruned, rebuilt, schedule
-from wmrgen.ir.simplify import factor, reduce_strength, regroup_products, settle_signs
+from wmrgen.ir.simplify import factor, prefer_positive_constants, reduce_strength, regroup_products
 from wmrgen.ir.verify import check_module
 
-# ---- what nothing needs
+# ---- dead code
 
 
 def drop_dead_code(function: Function) -> Function:
-    """``function`` without unneeded nodes and without geometry inputs that nothing reads.
+    """Return ``function`` without nodes that no result needs and without unused geometry inputs.
 
-    Contract inputs stay, read or not: callers rely on them.
+    Unused inputs of other roles remain, because callers pass them.
     """
     needed = pruned(function)
     read = {node.name for node in needed.nodes if node.op is Op.INPUT}
@@ -33,19 +33,20 @@ def drop_dead_code(function: Function) -> Function:
     return replace(needed, inputs=inputs)
 
 
-# ---- what is known before the step
+# ---- geometry moves to prepare()
 
 
 def hoist(functions: tuple[Function, ...], name: str) -> Module:
-    """A module whose step functions read geometry only as outputs k0, k1, ... of `prepare`, parameters' names left out.
+    """Return a module whose `prepare` computes all values that depend on tunable parameters alone.
 
-    Equal values of different functions are prepared once. Without geometry inputs nothing changes.
+    Its outputs are called k0, k1, ..., except for names that inputs have. Functions share equal values. Without
+    geometry inputs there is no `prepare`.
     """
     builder = Builder()
     ports: dict[str, Port] = {}
     names = {port.name for function in functions for port in function.inputs}
-    free = (k for i in count() if (k := f"k{i}") not in names)
-    # Node of prepare -> its output, which is made when first asked for.
+    free = (name for name in map("k{}".format, count()) if name not in names)
+    # Node of prepare -> its output; made when it is first needed.
     prepared: dict[int, Port] = defaultdict(lambda: Port(next(free), Role.PREPARED, "", ""))
     steps = tuple(_hoist_one(function, builder, ports, prepared) for function in functions)
     if not prepared:
@@ -61,7 +62,7 @@ def hoist(functions: tuple[Function, ...], name: str) -> Module:
 def _hoist_one(
     function: Function, builder: Builder, ports: dict[str, Port], prepared: dict[int, Port]
 ) -> Function:
-    """``function`` over prepared inputs; its geometry goes to ``builder``, ``ports`` and ``prepared``."""
+    """Return ``function`` with prepared inputs; add its geometry to ``builder``, ``ports`` and ``prepared``."""
     geometry = [port for port in function.inputs if port.role is Role.GEOMETRY]
     if not geometry:
         return function
@@ -87,7 +88,7 @@ def _hoist_one(
 
 
 def _tunable(function: Function, names: set[str]) -> list[bool]:
-    """Nodes that depend on tunable parameters, and on nothing else that changes."""
+    """Return by node whether it depends on tunable parameters, and on no other input."""
     early = geometry_only(function)
     touched: list[bool] = []
     for i, node in enumerate(function.nodes):
@@ -97,7 +98,7 @@ def _tunable(function: Function, names: set[str]) -> list[bool]:
 
 
 def _move(function: Function, i: int, moved: dict[int, int], builder: Builder) -> int:
-    """The node of `prepare` for node ``i``, which is tunable or a constant expression."""
+    """Return the node of `prepare` for node ``i``, which is tunable or a constant expression."""
     if i not in moved:
         node = function.nodes[i]
         moved[i] = builder.copy(node, [_move(function, arg, moved, builder) for arg in node.args])
@@ -107,7 +108,7 @@ def _move(function: Function, i: int, moved: dict[int, int], builder: Builder) -
 def _reference(
     own: Builder, builder: Builder, node: int, prepared: dict[int, Port], used: dict[str, Port]
 ) -> int:
-    """The input of the step function that stands for ``node`` of `prepare`."""
+    """Return the input of the step function that receives ``node`` of `prepare`, or a constant."""
     constant = builder.value(node)
     if constant is not None:
         return own.const(constant)
@@ -121,7 +122,7 @@ def _reference(
 Pass = Callable[[Function], Function]
 
 BEFORE_HOIST: tuple[Pass, ...] = (
-    reduce_strength, factor, share_linear_forms, settle_signs, regroup_products,
+    reduce_strength, factor, share_linear_forms, prefer_positive_constants, regroup_products,
 )  # fmt: skip
 AFTER_HOIST: tuple[Pass, ...] = (drop_dead_code, schedule)
 
@@ -132,10 +133,16 @@ def optimise(
     kernels: tuple[Function, ...] = (),
     meaning: tuple[Function, ...] | None = None,
 ) -> Module:
-    """The module of ``functions``, which call ``kernels``, in as few operations as the passes find.
+    """Run all passes, and check the result at one point modulo a prime.
 
-    The result is checked against ``meaning``, the functions in base operations (``functions`` themselves where they
-    call nothing), at one point, modulo a prime.
+    Args:
+        functions: the functions, which may call ``kernels``.
+        name: the name of the module.
+        kernels: the kernels, in the order in which they call each other.
+        meaning: the functions in base operations, against which the result is checked; ``functions`` by default.
+
+    Returns:
+        The module, in as few operations as the passes find.
     """
     steps = tuple(_run(function, BEFORE_HOIST) for function in functions)
     module = replace(hoist(steps, name), kernels=kernels)
@@ -153,7 +160,7 @@ def _run(function: Function, passes: tuple[Pass, ...]) -> Function:
 
 
 def simplified(prepare: Function) -> Function:
-    """`prepare` through the same passes, its parameters taken for ordinary inputs."""
+    """Return `prepare` after the same passes, in which its parameters count as ordinary inputs."""
     roles = {port.name: port for port in prepare.inputs}
     ordinary = replace(prepare, inputs=tuple(replace(p, role=Role.STATE) for p in prepare.inputs))
     run = _run(ordinary, BEFORE_HOIST + AFTER_HOIST)

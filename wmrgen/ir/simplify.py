@@ -1,6 +1,6 @@
-"""Rewriting operation by operation: fewer divisions, common factors, shared products, signs.
+"""Passes that rewrite operation by operation: fewer divisions, common factors, shared products, signs.
 
-Each pass walks a function in its order and builds it anew.
+Each pass goes through a function in its order and builds it anew.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from wmrgen.ir.build import Builder
 from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.nodes import Function, Node, Op, pruned, rebuilt, uses_of
 
-_FAR = 2.0**-64
+_FAR = 2.0**-64  # reciprocals of larger numbers are far from overflow in float32 (2**128) [SI units]
 _SUMS = (Op.ADD, Op.SUB)
 
-Built = list[int]  # what the nodes of a function are in the builder, as far as it has come
+Built = list[int]  # by node of the function that was visited: its node in the builder
 Rule = Callable[[Builder, int, Node, Built], int]
 
 
 def _rewritten(function: Function, rule: Rule) -> Function:
-    """``function`` with the node that ``rule`` makes of each of its nodes."""
+    """Return ``function`` with each node replaced by the node that ``rule`` makes of it."""
     builder = Builder()
     built: Built = []
     for i, node in enumerate(function.nodes):
@@ -41,11 +41,11 @@ def _args(node: Node, built: Built) -> list[int]:
 
 
 def reduce_strength(function: Function) -> Function:
-    """``function`` with divisions replaced by products where that is safe.
+    """Return ``function`` with divisions replaced by products where that is safe.
 
-    Constant divisors are gone since the builder saw them. A division by a geometry-only value becomes a product with
-    its reciprocal, which `hoist` moves to `prepare`. Several divisions by one value share a reciprocal where that value
-    is known to be far enough from zero for it not to overflow.
+    The builder has already replaced constant divisors. A division by a geometry-only value becomes a product with its
+    reciprocal, which `hoist` moves to `prepare`. Several divisions by one value share its reciprocal if the value is so
+    far from zero that the reciprocal cannot overflow.
     """
     if all(node.op is not Op.DIV for node in function.nodes):
         return function
@@ -70,7 +70,7 @@ def _shared_divisors(function: Function) -> set[int]:
 
 
 def _far_from_zero(function: Function) -> set[int]:
-    """The nodes that are `_FAR` from zero, whatever the inputs are."""
+    """Return the nodes whose absolute value is at least `_FAR` for all inputs."""
     anything = np.array([-np.inf]), np.array([np.inf])
     ranges: list[iv.Interval] = []
     far: set[int] = set()
@@ -91,14 +91,14 @@ def _far_from_zero(function: Function) -> set[int]:
 
 
 class _Term(NamedTuple):
-    """``value`` times the product of ``factors`` (nodes of the builder, sorted)."""
+    """An addend of a sum: a constant times a product."""
 
-    value: Exact
-    factors: tuple[int, ...]
+    value: Exact  # the constant
+    factors: tuple[int, ...]  # nodes of the builder, sorted
 
 
 def factor(function: Function) -> Function:
-    """``function`` with common non-constant factors taken out of its sums: k a + k b becomes k (a + b).
+    """Return ``function`` with common non-constant factors taken out of its sums: k a + k b becomes k (a + b).
 
     Only products that nothing else uses are taken apart, so that every step saves a multiplication. Constant and
     geometry-only factors are left to the linear forms.
@@ -113,14 +113,14 @@ def factor(function: Function) -> Function:
 
 
 class _Sums:
-    """The sums of a function and what they are of."""
+    """The sums of a function and their addends."""
 
     def __init__(self, function: Function) -> None:
         self._nodes, self._uses, self._geometric = function.nodes, uses_of(function), geometry_only(function)
         self._inside = self._inner_sums()
 
     def _inner_sums(self) -> set[int]:
-        """Sums, negations and scalings that only a larger sum uses."""
+        """Return the sums and negations whose only user is a larger sum."""
         inside: set[int] = set()
         for i, node in enumerate(self._nodes):
             if self._is_sum(i) or i in inside:
@@ -131,12 +131,12 @@ class _Sums:
         return self._nodes[i].op in (*_SUMS, Op.NEG) and not self._geometric[i]
 
     def outer(self, i: int) -> bool:
-        """Whether node ``i`` is a sum that is no part of a larger one."""
+        """Return whether node ``i`` is a sum that is not part of a larger sum."""
         return self._is_sum(i) and i not in self._inside
 
     def terms(self, root: int, built: Built) -> list[_Term]:
-        """The addends of ``root`` as products, in order."""
-        terms: dict[tuple[int, ...], Exact] = {}  # like terms meet
+        """Return the addends of sum ``root`` as products, in order; like terms are combined."""
+        terms: dict[tuple[int, ...], Exact] = {}  # coefficients by factors
         stack: list[tuple[int, Exact]] = [(root, ONE)]
         while stack:
             i, sign = stack.pop()
@@ -153,7 +153,7 @@ class _Sums:
         return [_Term(value, factors) for factors, value in terms.items() if value]
 
     def _product(self, root: int, sign: Exact, built: Built) -> _Term:
-        """Node ``root`` as constant times factors; products used elsewhere stay whole."""
+        """Return node ``root`` as a constant times factors; products with other users are not taken apart."""
         value, factors, stack = sign, [], [root]
         while stack:
             i = stack.pop()
@@ -168,7 +168,7 @@ class _Sums:
 
 
 def _common(terms: list[_Term]) -> int | None:
-    """The factor that most products hold, at least two; products of one factor do not count."""
+    """Return the factor that most products have in common, None if no two products of several factors share one."""
     counts: Counter[int] = Counter()
     for term in terms:
         if len(term.factors) > 1:
@@ -178,7 +178,7 @@ def _common(terms: list[_Term]) -> int | None:
 
 
 def _sum(builder: Builder, terms: list[_Term]) -> int:
-    """The sum of ``terms``, factored as often as it can be."""
+    """Return the sum of ``terms``, factored repeatedly."""
     common = _common(terms)
     if common is None or len(terms) == 1:
         return builder.sum(builder.mul(builder.const(t.value), builder.product(t.factors)) for t in terms)
@@ -197,9 +197,9 @@ def _without(term: _Term, common: int) -> _Term:
 
 
 def regroup_products(function: Function) -> Function:
-    """``function`` with fewer multiplications by constants and geometry-only values.
+    """Return ``function`` with fewer multiplications by constants and geometry-only values.
 
-    c (x y) and c (x z) become (c x) y and (c x) z where nothing else uses x y and x z.
+    c (x y) and c (x z) become (c x) y and (c x) z if x y and x z have no other users.
     """
     chosen = _choices(function)
     if not chosen:
@@ -215,7 +215,7 @@ def regroup_products(function: Function) -> Function:
 
 
 def _choices(function: Function) -> dict[int, tuple[int, int, int]]:
-    """Node of c (x y) to (c, x, y), for every (c, x) that occurs twice."""
+    """Return (c, x, y) by node of c (x y), for each pair (c, x) that occurs at least twice."""
     nodes, early, uses = function.nodes, geometry_only(function), uses_of(function)
     places: defaultdict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
     for i, node in enumerate(nodes):
@@ -240,12 +240,12 @@ def _choices(function: Function) -> dict[int, tuple[int, int, int]]:
 # ---- signs
 
 
-def settle_signs(function: Function) -> Function:
-    """``function`` with signs where a reader expects them: a + (-20) x becomes a - 20 x; counts and bits stay."""
+def prefer_positive_constants(function: Function) -> Function:
+    """Return ``function`` with readable signs: a + (-20) x becomes a - 20 x. Counts and bits do not change."""
     nodes, uses = function.nodes, uses_of(function)
 
     def positive(builder: Builder, i: int, built: Built) -> int | None:
-        """The product at ``i`` with its constant positive; None when it has none or others need it."""
+        """Return node ``i`` with a positive constant if it is a product with a negative one and a single user."""
         value = nodes[nodes[i].args[0]].value if nodes[i].op is Op.MUL and uses[i] == 1 else None
         if value is None or value.sign > 0:
             return None

@@ -1,6 +1,6 @@
-"""Writes operations down as they stand: equal ones once, none simplified.
+"""Writing operations in order: equal ones are shared, none is simplified.
 
-The order of float operations is what a kernel is, so the rules of `wmrgen.ir.build` must not touch it.
+The result of a float kernel depends on the order of its operations, so `wmrgen.ir.build` must not simplify them.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from wmrgen.ir.nodes import Node, Op
 
 
 class Tape:
-    """Nodes of a new function, by hash-consing; the methods return their ids."""
+    """The nodes of a new function; equal nodes are shared, and the methods return their ids."""
 
     __slots__ = ("_consts", "_index", "nodes")
 
@@ -37,7 +37,7 @@ class Tape:
         return self.put(Op.INPUT, name=name)
 
     def value(self, a: int) -> Exact | None:
-        """The constant that node ``a`` is, else None."""
+        """Return the value of node ``a`` if it is a constant, else None."""
         return self.nodes[a].value
 
     # ---- operations
@@ -50,7 +50,7 @@ class Tape:
         return index
 
     def copy(self, node: Node, args: Sequence[int]) -> int:
-        """``node`` of another function over ``args``, ids of this one."""
+        """Return ``node`` of another function; ``args`` are ids of this one."""
         return self.put(node.op, *args, name=node.name) if node.value is None else self.const(node.value)
 
     def call(self, kernel: str, *args: int) -> int:
@@ -78,11 +78,11 @@ class Tape:
         return self.put(Op.DIV, a, b)
 
     def select(self, a: int, b: int, x: int, y: int) -> int:
-        """x where a < b, else y."""
+        """x if a < b, else y."""
         return self.put(Op.SELECT, a, b, x, y)
 
     def horner(self, x: int, coefficients: tuple[Exact, ...]) -> int:
-        """c0 + x (c1 + x (c2 + ...)), the last product computed first."""
+        """c0 + x (c1 + x (c2 + ...)), from the innermost product outwards."""
         *rest, last = coefficients
         total = self.const(last)
         for c in reversed(rest):
@@ -90,7 +90,7 @@ class Tape:
         return total
 
     def neg(self, a: int) -> int:
-        """-a; of a constant, a constant."""
+        """-a; a constant if ``a`` is one."""
         node = self.nodes[a]
         if node.value is not None:
             return self.const(-node.value)
@@ -98,7 +98,17 @@ class Tape:
 
 
 def compared(tape: Tape, op: Op, a: int, b: int) -> int:
-    """CLAMP, AT_LEAST or WITH_SIGN_OF by comparisons, for code that does not read the bits of a float."""
+    """Write CLAMP, AT_LEAST or WITH_SIGN_OF with comparisons, for code that does not read the bits of a float.
+
+    Args:
+        tape: the nodes.
+        op: the operation.
+        a: its first argument.
+        b: its second argument.
+
+    Returns:
+        The node of the result.
+    """
     match op:
         case Op.CLAMP:
             return tape.put(Op.MAX, tape.put(Op.MIN, a, b), tape.neg(b))

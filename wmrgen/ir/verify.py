@@ -1,12 +1,11 @@
 """Exact checks that a pass changed no output.
 
-Both functions are evaluated over the field at pseudo-random rational points. What an operation's record calls opaque, a
-square root, sine, cosine or arctangent, is replaced by an arbitrary rational function of its exact arguments, the same
-before and after, so that equality stays a matter of exact numbers. It is odd or even where the operation is, and true
-where builders fold constants; no pass uses any other property. Comparisons are made on the exact values.
+Both functions are evaluated exactly at pseudo-random rational points. Opaque operations (square root, sine, cosine,
+arctangent) are replaced by an arbitrary rational function of their exact arguments, which is the same before and after,
+so that the comparison remains exact. This function is odd or even if the operation is, and has the correct value where
+builders fold constants; passes use no other property. Comparisons use the exact values.
 
-A check that stays quick on large functions computes modulo a prime: unequal exact values have equal residues with
-probability about 2**-61.
+The quick check for large functions computes modulo a prime: unequal values have equal residues with probability 2**-61.
 """
 
 from __future__ import annotations
@@ -28,11 +27,16 @@ _ROOTS = (1, _ROOT2, _ROOT3, _ROOT2 * _ROOT3 % PRIME)
 
 
 class PassError(AssertionError):
-    """A pass changed the value of an output: a bug of wmrgen."""
+    """A pass changed the value of an output, which is a bug of wmrgen."""
+
+    def __init__(self, text: str, step: str, output: str = "") -> None:
+        super().__init__(f"{step}: {text}")
+        self.step = step  # the pass, and the function
+        self.output = output  # the name of the output; empty if the function is no longer defined
 
 
 def mix(*numbers: int) -> int:
-    """A deterministic hash of integers, independent of the interpreter's own."""
+    """Return a hash of integers that does not depend on Python's own."""
     state = 0x2545F4914F6CDD1D
     for number in numbers:
         state = (state * 6364136223846793005 + number % _MODULUS + 1442695040888963407) % 2**64
@@ -44,7 +48,7 @@ def mix(*numbers: int) -> int:
 
 
 class Residue:
-    """``r`` modulo PRIME, and about how large the number is, which decides comparisons only."""
+    """A number modulo PRIME (``r``), with its approximate value (``size``), which only decides comparisons."""
 
     __slots__ = ("r", "size")
 
@@ -56,10 +60,11 @@ class Residue:
 
     @property
     def sign(self) -> int:
+        """Return -1, 0 or 1."""
         return 0 if not self.r else 1 if self.size > 0 else -1
 
     def rational(self) -> int:
-        """The whole number that it is, where it is one."""
+        """Return the whole number, if it is one."""
         return self.r if self.size > 0 else -(-self.r % PRIME)
 
     def __add__(self, other: Residue) -> Residue:
@@ -73,7 +78,7 @@ class Residue:
 
     def __truediv__(self, other: Residue) -> Residue:
         if not other:
-            raise ZeroDivisionError("no residue is the inverse of 0")
+            raise ZeroDivisionError("division by 0 modulo a prime")
         size = self.size / other.size if other.size else 0.0
         return Residue(self.r * pow(other.r, -1, PRIME) % PRIME, size)
 
@@ -99,7 +104,7 @@ def _residue(value: Number | Residue) -> Residue:
 
 
 def _arbitrary(op: Op, enter: Callable[[Any], Any], folds: bool) -> Callable[..., Any]:
-    """A number in [1/64, 4) that the arguments decide, with the properties of ``op`` that builders use."""
+    """Return an arbitrary function with values in [1/64, 4), with the properties of ``op`` that builders use."""
     salt = mix(*op.name.encode())
 
     def value(*args: Any) -> Any:
@@ -140,9 +145,12 @@ RESIDUES = Arithmetic(_residue, _modulo_the_prime)
 
 
 def points(function: Function, count: int) -> list[dict[str, Exact]]:
-    """``count`` rational points of the inputs, which depend on their names alone."""
+    """Return ``count`` rational points, which depend on the names of the inputs alone."""
     names = [port.name for port in function.inputs]
-    return [{name: _number(name, k) for name in names} for k in range(count)]
+    found = []
+    for k in range(count):
+        found.append({name: _number(name, k) for name in names})
+    return found
 
 
 def _number(name: str, k: int) -> Exact:
@@ -151,7 +159,7 @@ def _number(name: str, k: int) -> Exact:
 
 
 def check_module(before: tuple[Function, ...], after: Module) -> None:
-    """A quick `verify_module`: one point, residues modulo a prime. What differs there is decided exactly."""
+    """Raise PassError if an output changed: check one point modulo a prime, and differences exactly."""
     try:
         _check(before, after, "the pipeline", 1, RESIDUES)
     except PassError:
@@ -159,7 +167,17 @@ def check_module(before: tuple[Function, ...], after: Module) -> None:
 
 
 def verify_module(before: tuple[Function, ...], after: Module, step: str, count: int = 2) -> None:
-    """PassError unless the module's functions, after its `prepare`, have the outputs of ``before``."""
+    """Check that a module has the same outputs as the functions before a pass, exactly.
+
+    Args:
+        before: the functions.
+        after: the module, with its `prepare`.
+        step: the name of the pass, for the error.
+        count: at how many points.
+
+    Raises:
+        PassError: an output differs.
+    """
     _check(before, after, step, count, OPAQUE)
 
 
@@ -176,7 +194,7 @@ def _check(
 
 
 def _values(function: Function, point: dict[str, Any], arithmetic: Arithmetic) -> dict[str, Any] | None:
-    """The outputs, None where the point is outside the domain."""
+    """Return the outputs, or None if the point is outside the domain."""
     try:
         return evaluate(function, point, arithmetic)
     except ZeroDivisionError:
@@ -187,12 +205,12 @@ def _compare(before: dict[str, Any] | None, after: dict[str, Any] | None, step: 
     if before is None:
         return
     if after is None:
-        raise PassError(f"{step}: defined before, undefined after")
+        raise PassError("defined before, undefined after", step)
     for name, value in before.items():
         if _identity(after.get(name)) != _identity(value):
-            raise PassError(f"{step}: {name} was {value} and is {after.get(name)}")
+            raise PassError(f"{name} was {value} and is {after.get(name)}", step, name)
 
 
 def _identity(value: Any) -> Any:
-    """What equality is decided on: the exact value, or the residue without its size."""
+    """Return what must be equal: the exact value, or the residue without its approximate value."""
     return value.r if isinstance(value, Residue) else value

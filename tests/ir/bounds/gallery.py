@@ -1,4 +1,4 @@
-"""The gallery with its bounds; robots that declare no limits get some here."""
+"""The robots of the gallery with their bounds; robots without limits get some here."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from wmrgen.ir.nodes import Function
 
 ROBOTS = sorted((Path(__file__).parents[3] / "robots").glob("*.yaml"))
 NAMES = [p.stem for p in ROBOTS]
-# Sines as a C library has them: what the tests compare with rounds them correctly.
+# The sines of a C library, because the tests compare with correctly rounded ones.
 LIBM_C = Choice("float", "libm")
 _OTHERWISE = {"vx": Fraction(2), "omega": Fraction(3), "steer_rate": Fraction(5)}
-# The virtual front wheel of its models, which are singular where it stands across.
+# The limit of the virtual front wheel, whose models are singular at 90 degrees.
 _OF_ROBOTS = {"car_with_trailers": {"steer": Fraction(1)}}
 
 

@@ -1,8 +1,8 @@
 """The rounding error of a function as a problem for Gappa, which shares no code with `wmrgen.ir.bounds.analysis`.
 
-Every operation stands twice: rounded, over rounded operands, and exact, over exact ones. A sine or cosine of an input
-is an unknown number of [-1, 1], its rounded twin any float within the library's error. Choices and angles are beyond
-this script: functions that have them are not written.
+The script has every operation twice: rounded, with rounded operands, and exact, with exact ones. A sine or cosine of an
+input is an unknown number in [-1, 1]; its rounded twin is any float within the library's error. Functions with choices
+or other angles are skipped.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _SIGN = {Op.ADD: "+", Op.SUB: "-", Op.MUL: "*", Op.DIV: "/"}
 
 
 def script(function: Function, ranges: Mapping[str, Range], library: Library) -> str | None:
-    """The Gappa script for all outputs of ``function``; None where it has what Gappa does not know."""
+    """Return the Gappa script for all outputs of ``function``, or None if Gappa has no such operation."""
     lines = ["@rnd = float<ieee_32, ne>;"]
     known: list[str] = []
     for i, node in enumerate(function.nodes):
@@ -63,7 +63,7 @@ def _operation(i: int, node: Node) -> str | None:
 
 
 def found(output: str, function: Function) -> dict[str, float]:
-    """Output name -> the bound that Gappa found; infinite where it found none."""
+    """Return the bound that Gappa found by output name; infinite if it found none."""
     bounds: dict[int, float] = {}
     for name, text in re.findall(r"\|[fm](\d+) - m\1\| in \[[^,]*, ([^\]]*)\]", output):
         bounds[int(name)] = _upper(text)
@@ -80,7 +80,7 @@ def _upper(text: str) -> float:
 
 
 def _dyadic(value: float) -> str:
-    """A float as m b e, which is m 2**e."""
+    """Return a float as m b e, which means m 2**e."""
     if not value:
         return "0"
     numerator, denominator = Fraction(value).as_integer_ratio()
@@ -88,6 +88,6 @@ def _dyadic(value: float) -> str:
 
 
 def _rational(value: Exact) -> str:
-    """A constant; an irrational one to 60 digits, far below every rounding."""
+    """Return a constant as a fraction; an irrational one to 60 digits, far below every rounding."""
     q = value.rational()
     return f"({q.numerator}/{q.denominator})" if q.denominator != 1 else f"{q.numerator}"

@@ -1,4 +1,7 @@
-"""Rounding errors that occur: float32 code beside the formula in float64, decided alike; inputs to search among."""
+"""Rounding errors that occur: float32 code next to the formula in float64, which takes the same branches.
+
+It also makes inputs for searches.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmrgen.ir.bounds.lengths import lengths as vectors
+from wmrgen.ir.bounds.patterns import lengths as vectors
 from wmrgen.ir.nodes import Function, Node, Op, places
 from wmrgen.ir.rounding import to_float32, to_float64
 
@@ -18,20 +21,21 @@ EXACT = {
     "atan2": np.arctan2, "compensated": np.add, "clamp": lambda a, m: np.clip(a, -m, m),
     "rounding_error": lambda a, b: np.zeros_like(a + b),
 }  # fmt: skip
-CHOICE = "library "  # and the number of a node: the input that chooses what the library gives there
-LIBRARY = ("sin", "cos", "atan", "atan2")  # as inexact as proofs allow them to be
+# With the number of a node: an input that chooses which of the two floats around its result the library returns.
+CHOICE = "library "
+LIBRARY = ("sin", "cos", "atan", "atan2")  # functions whose errors are as large as proofs allow
 
 
 @dataclass(frozen=True)
 class Run:
-    """Per node: the float32 values, and the float64 values that are decided alike."""
+    """Values by node: of the float32 code, and of the formula in float64 in the same branches."""
 
     single: list[np.ndarray]
     exact: list[np.ndarray]
 
 
 def run(function: Function, inputs: Mapping[str, np.ndarray]) -> Run:
-    """Every node at every point. Comparisons and whole numbers of the float64 values are those of the float32 ones."""
+    """Evaluate every node at every point; float64 values take comparisons and whole numbers from float32 ones."""
     count = len(next(iter(inputs.values()))) if inputs else 1
     single: list[np.ndarray] = []
     exact: list[np.ndarray] = []
@@ -64,7 +68,7 @@ def _single(node: Node, a: list[np.ndarray], choice: np.ndarray | None) -> np.nd
     if node.op is Op.AT_LEAST:
         return np.where(np.abs(a[0]) < a[1], np.copysign(a[1], a[0]), a[0])
     if node.op is Op.WITH_SIGN_OF:
-        return np.where(a[1] < 0, -a[0], a[0])
+        return np.where(np.signbit(a[1]), -a[0], a[0])
     if node.op is Op.ROUNDING_ERROR:
         wide = a[0].astype(np.float64) + a[1].astype(np.float64)
         return (wide - wide.astype(np.float32)).astype(np.float32)
@@ -74,9 +78,9 @@ def _single(node: Node, a: list[np.ndarray], choice: np.ndarray | None) -> np.nd
 
 
 def _faithful(wide: np.ndarray, choice: np.ndarray | None) -> np.ndarray:
-    """One of the two floats around each number, not always the nearer: off by less than a unit in the last place.
+    """Return one of the two floats around each number: the error is less than a unit in the last place.
 
-    The nearer where ``choice`` is negative; without a choice, either.
+    It is the nearer one where ``choice`` is negative. Without a choice it is either, depending on the bits.
     """
     near = wide.astype(np.float32)
     other = np.nextafter(near, np.where(near < wide, np.inf, -np.inf).astype(np.float32))
@@ -88,7 +92,7 @@ def _faithful(wide: np.ndarray, choice: np.ndarray | None) -> np.ndarray:
 
 
 def decided(node: Node, a: list[np.ndarray], b: list[np.ndarray]) -> np.ndarray:
-    """A node of exact arguments ``b``, decided as the float arguments ``a`` decide."""
+    """Return the result for exact arguments ``b`` in the branch that the float arguments ``a`` take."""
     if node.op is Op.SELECT:
         return np.where(a[0] < a[1], b[2], b[3])
     if node.op is Op.RINT:
@@ -96,14 +100,14 @@ def decided(node: Node, a: list[np.ndarray], b: list[np.ndarray]) -> np.ndarray:
     if node.op is Op.FLIP:
         return np.where(a[1] % 2 == 1, -b[0], b[0])
     if node.op is Op.AT_LEAST:
-        return np.where(a[0] < 0, np.minimum(b[0], -b[1]), np.maximum(b[0], b[1]))
+        return np.where(np.signbit(a[0]), np.minimum(b[0], -b[1]), np.maximum(b[0], b[1]))
     if node.op is Op.WITH_SIGN_OF:
-        return np.where(a[1] < 0, -b[0], b[0])
+        return np.where(np.signbit(a[1]), -b[0], b[0])
     return np.asarray(EXACT[node.op.name](*b))
 
 
 def lengths(function: Function, found: Run, result: int) -> np.ndarray:
-    """Length of the shortest vector whose direction node ``result`` depends on; infinite without any."""
+    """Return the length of the shortest vector whose direction a result depends on; infinite if there is none."""
     needed = places(function.nodes, [result])
     shortest = np.full(len(found.exact[result]), np.inf)
     for i, vector in vectors(function.nodes).items():
@@ -116,12 +120,12 @@ def lengths(function: Function, found: Run, result: int) -> np.ndarray:
 
 
 def choices(function: Function) -> dict[str, tuple[float, float]]:
-    """Inputs that choose, for each result of the library, between the two floats around what is exact."""
+    """Return inputs that choose, for each call of the library, between the two floats around its exact result."""
     return {f"{CHOICE}{i}": (-1.0, 1.0) for i, n in enumerate(function.nodes) if n.op.name in LIBRARY}
 
 
 def draw(ranges: Ranges, count: int, seed: int) -> dict[str, np.ndarray]:
-    """Points of the box: anywhere, small ones, and its corners."""
+    """Draw points of a box: anywhere, with small numbers, and at its corners."""
     rng = np.random.default_rng(seed)
     found = []
     for lo, hi in ranges.values():
@@ -134,10 +138,10 @@ def draw(ranges: Ranges, count: int, seed: int) -> dict[str, np.ndarray]:
 
 
 def bred(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: int) -> dict[str, np.ndarray]:
-    """Children of some points: some inputs from a second parent; a few moved to an end, elsewhere, or a little.
+    """Make children of some points: some inputs are from a second parent, and a few are moved.
 
-    Rounding errors depend on the last digits of every input: most children change one or two inputs, by a few units
-    in the last place, and keep what is good in the others.
+    Rounding errors depend on the last digits of every input. So most children change one or two inputs by a few units
+    in the last place, and keep the other ones.
     """
     rng = np.random.default_rng(seed)
     value, moved = _inherited(rng, ranges, parents, count)
@@ -154,7 +158,7 @@ def bred(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: in
 
 
 def nudged(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: int) -> dict[str, np.ndarray]:
-    """Children that differ from their parents by few units in the last place: other roundings, the same values."""
+    """Make children that differ from their parents by a few units in the last place, so that roundings differ."""
     rng = np.random.default_rng(seed)
     value, moved = _inherited(rng, ranges, parents, count)
     choice = np.array([[name.startswith(CHOICE)] for name in ranges])
@@ -166,7 +170,7 @@ def nudged(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: 
 def _inherited(
     rng: np.random.Generator, ranges: Ranges, parents: Mapping[str, np.ndarray], count: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Inputs x children: what they have of a parent, some of a second one, and which of them are to change."""
+    """Return inputs x children, inherited from one parent or two, and which of them are to be changed."""
     old = np.array([parents[name] for name in ranges], np.float64)
     first, second = rng.integers(0, old.shape[1], (2, count))
     crossed = rng.random(count) < 0.3
@@ -176,11 +180,11 @@ def _inherited(
 
 
 def _ends(ranges: Ranges) -> np.ndarray:
-    """Lowest and highest x inputs x 1."""
+    """Return the ends of the ranges, as an array of (low, high) x inputs x 1."""
     return np.array([*ranges.values()]).T[:, :, None]
 
 
 def _inside(values: np.ndarray, ranges: Ranges) -> dict[str, np.ndarray]:
-    """Inputs x points as float32 within their ranges, by name."""
+    """Return inputs x points by name, as float32 within their ranges."""
     lo, hi = _ends(ranges).astype(np.float32)
     return dict(zip(ranges, np.clip(values.astype(np.float32), lo, hi), strict=True))

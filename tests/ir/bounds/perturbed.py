@@ -1,7 +1,7 @@
-"""The worst that roundings can do at a point, found by trying: every value is moved by its rounding error, by itself.
+"""The largest effect that roundings can have at a point, found by moving each value by its rounding error.
 
-To first order a result moves by at most the sum of what these do to it. That is an oracle for bounds which shares no
-code with them: no bound may be below it anywhere, and what it leaves out shows at some point.
+To first order, a result moves by at most the sum of the effects of single roundings. This is an oracle for bounds that
+shares no code with them: no bound may be below it at any point.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _ROUNDED = (Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.SQRT)
 
 
 def worst(function: Function, inputs: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Results x points: how far the float results may be off there, decided as the float program decides."""
+    """Return results x points: the largest error of the float results, in the branches of the float program."""
     both = run(function, inputs)
     total = np.zeros((len(function.results), len(both.exact[0])))
     for i, node in enumerate(function.nodes):
@@ -27,10 +27,8 @@ def worst(function: Function, inputs: Mapping[str, np.ndarray]) -> np.ndarray:
         if noise is None:
             continue
         noise = np.where(_is_exact(function, node, both.exact), 0.0, noise)
-        if node.op in (
-            Op.ADD,
-            Op.SUB,
-        ):  # either operand is a float near the sum: the nearest float is no further off
+        if node.op in (Op.ADD, Op.SUB):
+            # Each operand is a float: the float nearest to the sum is no farther from it than they are.
             noise = np.minimum(noise, np.min([np.abs(both.exact[k]) for k in node.args], axis=0))
         for users in _uses(function, i, node):
             moved = _moved(function, both.single, both.exact, i, noise, users)
@@ -40,7 +38,7 @@ def worst(function: Function, inputs: Mapping[str, np.ndarray]) -> np.ndarray:
 
 
 def _is_exact(function: Function, node: Node, exact: list[np.ndarray]) -> np.ndarray:
-    """Where the node is a product with a power of two: a constant, or a whole number of turns."""
+    """Return where a node is an exact product with a power of two: a constant or a whole number of turns."""
     powers = np.zeros(len(exact[0]), dtype=bool)
     for k in node.args if node.op is Op.MUL else ():
         factor = function.nodes[k]
@@ -52,7 +50,7 @@ def _is_exact(function: Function, node: Node, exact: list[np.ndarray]) -> np.nda
 
 
 def _noise(node: Node, value: np.ndarray) -> np.ndarray | None:
-    """The largest rounding error of a node at these values."""
+    """Return the largest rounding error of a node at these values, or None if it has none."""
     if node.value is not None:
         return np.full(len(value), abs(float(to_float32(node.value)) - to_float64(node.value)))
     if node.op in _ROUNDED:
@@ -61,7 +59,7 @@ def _noise(node: Node, value: np.ndarray) -> np.ndarray | None:
 
 
 def _uses(function: Function, i: int, node: Node) -> list[set[int]]:
-    """The users that feel one rounding: each by itself of a product that may be contracted with a sum, else all."""
+    """Return groups of users that see the same rounding: all of them, or each of its own if a sum may be contracted."""
     users = {k for k, n in enumerate(function.nodes) if i in n.args}
     sums = any(function.nodes[k].op in (Op.ADD, Op.SUB) for k in users)
     if node.op is Op.MUL and len(users) > 1 and sums and i not in function.results:
@@ -77,7 +75,7 @@ def _moved(
     by: np.ndarray,
     users: set[int],
 ) -> list[np.ndarray]:
-    """Every value where node ``i`` is moved ``by`` for its ``users``."""
+    """Return every value after node ``i`` is moved ``by`` for some of its users."""
     values, moved = list(exact), {i}
     for k, node in enumerate(function.nodes):
         if k in users or (

@@ -1,11 +1,14 @@
-"""An honest search for the largest rounding error of an output, as a share of its proved bound.
+"""A search for the largest rounding error of an output, as a share of its proved bound.
 
-Starts, each bred on: points drawn at random; where those lead to less than `NEAR` of the bound, points at which the
-analysis allows large errors (if a function has no directions). For the slip of wheel rates: rates that fit a motion,
-where it is zero and rounding all there is, also those at which the analysis allows large errors. For the slip of a
-motion: only points where there is some. The best points of a slip are bred on by units in the last place alone. For
-each sine and arctangent either of the floats around it is tried (`choices`): proofs hold for any library that is so
-exact.
+Each search starts from some points and breeds from the best of them. The starts are:
+
+* random points; if these lead to less than `NEAR` of the bound and the function has no directions, also points at which
+  the analysis allows large errors
+* for the slip of wheel rates: rates that fit a motion, for which the slip is zero and rounding is all there is
+* for the slip of a motion: only points with some slip
+
+The best points of a slip are changed only by units in the last place. For each sine and arctangent either of the two
+floats around it is tried (`choices`), because the proofs hold for every library that is so accurate.
 """
 
 from __future__ import annotations
@@ -17,7 +20,7 @@ import numpy as np
 
 from tests.ir.bounds.observe import CHOICE, Ranges, bred, choices, draw, lengths, nudged, run
 from wmrgen.ir.bounds.assumptions import LIBM, SINGLE
-from wmrgen.ir.bounds.lengths import lengths as vectors
+from wmrgen.ir.bounds.patterns import lengths as vectors
 from wmrgen.ir.bounds.robot import FunctionBound
 from wmrgen.ir.bounds.walk import Walk
 from wmrgen.ir.nodes import Function, pruned
@@ -26,15 +29,15 @@ Points = dict[str, np.ndarray]
 Score = Callable[[Points], np.ndarray]
 Breed = Callable[[Ranges, Points, int, int], Points]
 TWIST = ("vx", "vy", "omega")
-# Where the first start comes so near, the second finds faults planted in the analysis in no function but those in which
-# the first finds them: roundings halved or left out of sums, differences or products, a product's error of one factor.
+# Share of the bound [1]. If random points lead so near, the second start finds no more planted faults than the first:
+# roundings halved or left out of sums, differences or products, and the error of one factor of a product.
 NEAR = 0.25
 ISLANDS = 5
 TRIES = 48  # steering angles tried for wheels that a motion should not turn fast
 
 
 def shares(function: Function, bound: FunctionBound, inputs: Points) -> dict[str, np.ndarray]:
-    """Output -> error over its bound, per point; 0 where none is claimed. Ranges are checked on the way."""
+    """Return error / bound by output, per point; 0 where no bound is claimed. Ranges are checked too."""
     found = run(function, inputs)
     result = {}
     for o, k in zip(bound.outputs, function.results, strict=True):
@@ -60,7 +63,7 @@ def climbed(
     kept: int = 150,
     breed: Breed = bred,
 ) -> Points:
-    """The best points after so many generations, the best of all first."""
+    """Return the best points after some generations, the best one first."""
     best = _best(start, score(start), kept)
     for generation in range(generations):
         made = breed(ranges, best[0], children, generation)
@@ -70,7 +73,7 @@ def climbed(
 
 
 def islands(ranges: Ranges, score: Score, start: Points, generations: int) -> Points:
-    """The best points of several searches, each from a part of ``start``: one search stays where it first is good."""
+    """Return the best points of several searches, each from a part of ``start``, because one search may get stuck."""
     parts = [{n: v[k::ISLANDS][:400] for n, v in start.items()} for k in range(ISLANDS)]
     ends = [climbed(ranges, score, part, generations, 400, 40) for part in parts]
     return max(ends, key=lambda end: float(score({n: v[:1] for n, v in end.items()})[0]))
@@ -82,7 +85,7 @@ def _best(points: Points, value: np.ndarray, kept: int) -> tuple[Points, np.ndar
 
 
 def alone(function: Function, bound: FunctionBound, output: str) -> tuple[Function, FunctionBound]:
-    """The nodes and inputs that one output depends on, and what is claimed of it."""
+    """Return a function with one output, and the bound of that output."""
     row = [o.name for o in bound.outputs].index(output)
     one = pruned(replace(function, outputs=(function.outputs[row],), results=(function.results[row],)))
     read = {node.name for node in one.nodes}
@@ -98,7 +101,7 @@ def worst(
     generations: int,
     enough: float,
 ) -> float:
-    """The largest share that the searches find for ``output``; those for slips alone while it is below ``enough``."""
+    """Return the largest share that the searches find. Searches for slips stop when ``enough`` is reached."""
     function, bound = alone(function, bound, output)
     ranges = bound.inputs | choices(function)
 
@@ -151,20 +154,20 @@ def worst(
 
 
 def possible(function: Function, points: Points) -> np.ndarray:
-    """Results x points: the error that the analysis allows there."""
+    """Return results x points: the error that the analysis allows at each point."""
     exact = {n: (v.astype(np.float64), v.astype(np.float64)) for n, v in points.items()}
     walk = Walk(function, exact, SINGLE, LIBM).run()
     return walk.errors(function.results).plain
 
 
 def commanded(inverse: Function, points: Points) -> Points:
-    """What `inverse` commands; the library of ``points`` is that of another function."""
+    """Return the results of `inverse`; choices of the library in ``points`` belong to another function."""
     found = run(inverse, {n: v for n, v in points.items() if not n.startswith(CHOICE)})
     return {o.name: found.single[k] for o, k in zip(inverse.outputs, inverse.results, strict=True)}
 
 
 def motions(inverse: Function, ranges: Ranges, count: int) -> Points:
-    """Twists, and of some steering angles those at which a wheel turns least about its pivot."""
+    """Return twists, with the steering angles (of those tried) at which wheels turn least about their pivots."""
     points = draw(ranges, count, 3)
     angles = [n for n in ranges if n.endswith(".steer")]
     least = {n: np.full(count, np.inf) for n in angles}
@@ -179,7 +182,7 @@ def motions(inverse: Function, ranges: Ranges, count: int) -> Points:
 
 
 def rates(inverse: Function, ranges: Ranges, motion: Points) -> Points:
-    """The inputs that fit a motion, which is slowed down until they lie within ``ranges``."""
+    """Return the inputs that fit a motion, after slowing it down until they are within ``ranges``."""
     for _ in range(2):
         made = commanded(inverse, motion)
         over = np.ones(len(next(iter(motion.values()))))

@@ -1,4 +1,4 @@
-"""Small functions for controls: what is right, and what must raise an alarm."""
+"""Small functions for controls: correct ones, and ones that must raise an alarm."""
 
 from __future__ import annotations
 
@@ -25,31 +25,31 @@ def module(made: Function) -> Module:
 
 
 def reciprocal(b: Builder, x: int) -> int:
-    """1/x: not defined at 0."""
+    """1/x, which is not defined at 0."""
     return b.div(b.const(1), x)
 
 
 def guarded(b: Builder, x: int) -> int:
-    """1/x, 1 or -1 where x is small."""
+    """1/x; 1 or -1 if x is small."""
     return b.div(b.const(1), b.apply(Op.AT_LEAST, (x, b.const(1))))
 
 
 def power(b: Builder, x: int) -> int:
-    """x**8: too large for a float where x is 1e6."""
+    """x**8, which overflows for x = 1e6."""
     return b.power(x, 8)
 
 
 def root(b: Builder, x: int) -> int:
-    """A root of what may be negative."""
+    """The root of a number that may be negative."""
     return b.sqrt(b.add(x, b.const(1)))
 
 
 def walked(function: Function, ranges: Mapping[str, tuple[float, float]], library: Library = LIBM) -> Walk:
-    """The walk through a function over one box."""
+    """Analyse a function over one box."""
     return Walk(function, boxed(ranges, [], 1), SINGLE, library).run()
 
 
-# Control, a range of vx that is good, one that is bad, what is wrong there.
+# What is wrong -> the function, a range of vx without and one with this fault.
 BAD = {
     "division by zero": (reciprocal, (0.5, 2.0), (-1.0, 1.0)),
     "overflow": (power, (-10.0, 10.0), (-1e6, 1e6)),

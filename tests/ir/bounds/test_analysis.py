@@ -1,4 +1,4 @@
-"""The analysis itself: intervals enclose, roundings are no larger than it says, undefined operations are found."""
+"""The analysis: intervals enclose, roundings are within their bounds, undefined operations raise alarms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bounds of whole functions: they are there for robots of odd formulas, and hold where operands cancel."""
+"""Bounds of whole functions: they exist for robots with unusual formulas, and hold where operands cancel."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sums in which a quantity stands twice: forms enclose what occurs, and are not far above it."""
+"""Sums in which a quantity occurs twice: forms enclose all values, and are not much larger."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def _seen(f: Function, seed: int) -> tuple[float, float]:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_products_with_points_of_one_circle_count_together(seed: int) -> None:
-    """Sums of p cos a, p sin a, q cos a, q sin a and of another angle: all that occurs, and little more."""
+    """Sums of p cos a, p sin a, q cos a, q sin a and of another angle: the range is little more than the values."""
     weights = [Fraction(int(w), 4) for w in np.random.default_rng(seed).integers(-9, 10, 6)]
 
     def make(b: Builder, at: dict[str, int]) -> int:
@@ -91,7 +91,7 @@ def test_what_cancels_counts_nothing() -> None:
 
 
 def test_a_rounding_to_a_whole_number_moves_by_half() -> None:
-    """x - 2 rint(x / 2) lies within 1 of 0, without a pattern that says so."""
+    """x - 2 rint(x / 2) is within 1 of 0, without a special rule."""
     f = _function(
         lambda b, at: b.sub(at["q"], b.mul(b.const(2), b.rint(b.mul(b.const(Fraction(1, 2)), at["q"]))))
     )
@@ -100,7 +100,7 @@ def test_a_rounding_to_a_whole_number_moves_by_half() -> None:
 
 
 def test_what_is_rounded_to_a_whole_number_may_be_off() -> None:
-    """The float program decides by what it computed: the exact value is half a step away, and its error."""
+    """The float program decides by its own value: the exact one is up to half a step and its error away."""
     f = _function(lambda b, at: b.rint(b.mul(b.const(Fraction(10**5, 3)), at["q"])))
     w = walked(f, RANGES)
     (arg,) = f.nodes[f.results[0]].args

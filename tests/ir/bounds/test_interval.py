@@ -1,4 +1,4 @@
-"""Intervals enclose the exact result: each bound is rounded outward, never to nearest."""
+"""Intervals enclose the exact result: each end is rounded outward, never to nearest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every lemma by itself: derivatives fill its partials, float results within its noise of the exact ones."""
+"""Each lemma alone: derivatives are within its partials and fill them, float results are within its noise."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from wmrgen.ir.ops import OPERATIONS
 Ranges = Mapping[str, tuple[float, float]]
 STEP = 1e-6
 
-# Operation -> how it is made of x and y, and ranges for them.
+# Operation -> how to make it of x and y, and ranges of these.
 CASES: dict[Op, tuple[Callable[[Builder, int, int], int], list[Ranges]]] = {
     Op.ADD: (lambda b, x, y: b.add(x, y), [{"x": (-3, 2), "y": (-1, 5)}]),
     Op.SUB: (lambda b, x, y: b.sub(x, y), [{"x": (-3, 2), "y": (-1, 5.5)}]),
@@ -43,7 +43,12 @@ CASES: dict[Op, tuple[Callable[[Builder, int, int], int], list[Ranges]]] = {
     Op.WITH_SIGN_OF: (lambda b, x, y: b.apply(Op.WITH_SIGN_OF, (b.mul(x, y), y)), [{"x": (-3, 2), "y": (-1, 5)}]),
 }  # fmt: skip
 CHOICES = (Op.MIN, Op.MAX, Op.SELECT, Op.CLAMP, Op.AT_LEAST, Op.WITH_SIGN_OF)
-EXACT = {Op.CONST, Op.INPUT, Op.RINT, Op.FLIP}  # neither a derivative nor, but for constants, a rounding
+EXACT = {
+    Op.CONST,
+    Op.INPUT,
+    Op.RINT,
+    Op.FLIP,
+}  # without derivatives and, except for constants, without rounding
 
 
 def _made(op: Op) -> Function:
@@ -58,7 +63,7 @@ def test_every_operation_has_a_lemma_that_is_tested() -> None:
 
 
 def _allowed(w: Walk, f: Function, points: Mapping[str, np.ndarray]) -> Callable[[str], np.ndarray]:
-    """How much the result may move per unit of an input, by the slopes of the walk."""
+    """Return how much the result may move per unit of an input, according to the analysis."""
 
     def of(name: str) -> np.ndarray:
         arg = next((i for i, n in enumerate(f.nodes) if n.name == name), None)
@@ -78,7 +83,7 @@ def _allowed(w: Walk, f: Function, points: Mapping[str, np.ndarray]) -> Callable
 
 
 def _signed(w: Walk, f: Function) -> Callable[[str], tuple[float, float]]:
-    """The least and the largest derivative in an input."""
+    """Return the least and the largest derivative in an input, according to the analysis."""
 
     def of(name: str) -> tuple[float, float]:
         arg = next((i for i, n in enumerate(f.nodes) if n.name == name), None)
@@ -104,7 +109,7 @@ def test_derivatives_fill_the_partials(op: Op) -> None:
         for name in ranges:
             moved = points | {name: points[name] + STEP}
             change = (run(f, moved).exact[f.results[0]] - here) / STEP
-            least, greatest = signed(name)  # none are known of an angle, whose vector may vanish
+            least, greatest = signed(name)  # unlimited for an angle, whose vector may vanish
             assert least <= change.min() + 1e-4 and change.max() - 1e-4 <= greatest
             ends = pytest.approx((change.min(), change.max()), rel=1e-4, abs=1e-4)
             assert op is Op.ATAN2 or (least, greatest) == ends
@@ -149,7 +154,7 @@ def test_float_results_are_within_the_error_and_near_it(op: Op) -> None:
 
 
 def test_a_branch_reaches_as_far_as_the_comparison_lets_it() -> None:
-    """x where 1 < x, else 5: from 1 on, not above."""
+    """x if 1 < x, else 5: the range starts at 1."""
     b = Builder()
     x = b.input("x")
     ports = tuple(Port(n, Role.COMMAND, "1", "an input") for n in "x")

@@ -1,4 +1,4 @@
-"""Vectors that may vanish: errors in terms of their length hold however short they are, and say something."""
+"""Vectors that may vanish: errors in terms of their length hold for short vectors, and are not too large."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tests.ir.bounds.small import walked
 from tests.ir.bounds.vectors import CASES, RANGES, STILL, function, heading_of, points
 from wmrgen.ir.bounds.analysis import analysed
 from wmrgen.ir.bounds.assumptions import LIBM
-from wmrgen.ir.bounds.lengths import SMALL_ANGLE, facts, lengths, share
+from wmrgen.ir.bounds.patterns import SMALL_ANGLE, facts, lengths
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op
 
@@ -30,20 +30,23 @@ def test_errors_hold_at_every_length(name: str) -> None:
         for claim, k in zip(found.claims, f.results, strict=True):
             single, exact = both.single[k].astype(np.float64), both.exact[k]
             assert claim.low <= single.min() and single.max() <= claim.high
-            counts = h >= SMALL_ANGLE * claim.rho
-            assert not claim.rho or np.abs(vector.value(_wide(both.single)) - h).max() <= claim.rho
+            counts = h >= SMALL_ANGLE * claim.length_error
+            assert (
+                not claim.length_error
+                or np.abs(vector.value(_wide(both.single)) - h).max() <= claim.length_error
+            )
             with np.errstate(all="ignore"):
-                allowed = claim.error + claim.over / h
+                allowed = claim.error + claim.per_length / h
             assert counts.sum() > 1000
             assert (np.abs(single - exact) <= allowed)[counts].all()
 
 
 @pytest.mark.parametrize("name", ["steered", "leaning", "quadrant"])
 def test_what_is_multiplied_by_the_vector_has_a_bound_of_its_own(name: str) -> None:
-    """The angle is off by a part of 1 / h; what is a component of the vector is not."""
+    """The error of the angle has a part in 1 / h; the error of a component of the vector has none."""
     angle, component = analysed(function(CASES[name]), RANGES, LIBM).claims
-    assert 1e-7 < angle.over < 2e-5 and angle.error < 1e-5
-    assert component.over < 1e-20 and component.error < 3e-5
+    assert 1e-7 < angle.per_length < 2e-5 and angle.error < 1e-5
+    assert component.per_length < 1e-20 and component.error < 3e-5
 
 
 @pytest.mark.parametrize("factor", [Fraction(1, 4), Fraction(-3)])
@@ -60,18 +63,18 @@ def test_a_part_of_a_vector_says_what_is_multiplied(factor: Fraction) -> None:
 
 
 def test_another_value_does_not_cancel_the_length() -> None:
-    """x cos(heading of another vector) keeps a part of 1 / h."""
+    """The error of x cos(heading of another vector) keeps a part in 1 / h."""
 
     def make(b: Builder, x: int, y: int, z: int) -> list[int]:
         heading, _ = heading_of(b, b.sub(x, z), b.add(y, z))
         return [b.mul(x, b.cos(heading))]
 
     (claim,) = analysed(function(make), RANGES, LIBM).claims
-    assert claim.over > 1e-7
+    assert claim.per_length > 1e-7
 
 
 def test_an_angle_of_an_angle_has_no_bound() -> None:
-    """The direction of (heading, z): 1 / h twice. Nothing is claimed."""
+    """The direction of (heading, z) has 1 / h twice: nothing is claimed."""
 
     def make(b: Builder, x: int, y: int, z: int) -> list[int]:
         heading, _ = heading_of(b, b.sub(x, z), b.add(y, z))
@@ -82,7 +85,7 @@ def test_an_angle_of_an_angle_has_no_bound() -> None:
 
 
 def test_an_angle_of_a_chosen_angle_has_no_bound() -> None:
-    """The same where the angle comes from a choice."""
+    """The same if the angle is the result of a choice."""
 
     def make(b: Builder, x: int, y: int, z: int) -> list[int]:
         heading, _ = heading_of(b, b.sub(x, z), b.add(y, z))
@@ -95,7 +98,7 @@ def test_an_angle_of_a_chosen_angle_has_no_bound() -> None:
 
 @pytest.mark.parametrize("chosen", [False, True])
 def test_what_errs_across_a_vector_counts_in_its_length_times_its_angle(chosen: bool) -> None:
-    """Where the angle is all but zero, its error times the length is that of the component across."""
+    """If the angle is nearly zero, its error times the length is the error of the component across."""
 
     def make(b: Builder, x: int, y: int, z: int) -> list[int]:
         v = b.sub(x, b.mul(b.const(Fraction(3, 10)), z))
@@ -137,7 +140,7 @@ def test_other_divisors_are_no_lengths(what: str) -> None:
 
 
 def test_without_the_small_number_there_is_no_length() -> None:
-    """A divisor that may be zero is one, a sum of sizes or not."""
+    """A sum of absolute values that may be zero is not kept away from zero."""
 
     def make(b: Builder, x: int, y: int, z: int) -> list[int]:
         return [b.div(y, b.add(b.sqrt(b.add(b.square(x), b.square(y))), b.abs(x)))]
@@ -160,24 +163,24 @@ def test_shares_hold_where_a_limit_does_not_take_the_place_of_a_slope() -> None:
     inside, known = np.abs(both.exact[at]) <= 0.5, 0  # the quotient of z
     h = length.value(both.exact)[inside]
     for i in range(len(f.nodes)):
-        bound = share(w, length, i)
+        bound = w.share_of_length(length, i)
         if bound is not None:
             known += 1
             assert (np.abs(both.exact[i])[inside] <= bound[0] * h + bound[1] + 1e-30).all()
     (z,) = (i for i, n in enumerate(f.nodes) if n.name == "z")
-    known_of_z = share(w, length, z)
+    known_of_z = w.share_of_length(length, z)
     assert known >= 6 and known_of_z is not None and known_of_z[0] == pytest.approx(0.5, rel=1e-3)
 
 
 def test_shares_hold() -> None:
-    """Whatever is said to be at most s h + a is."""
+    """Values are at most s h + a, as claimed."""
     f = function(CASES["steered"])
     w = walked(f, RANGES)
     ((_, length),) = w.lengths.items()
     both = run(f, points(9))
     h, known = length.value(both.exact), 0
     for i in range(len(f.nodes)):
-        bound = share(w, length, i)
+        bound = w.share_of_length(length, i)
         if bound is not None:
             known += 1
             assert (np.abs(both.exact[i]) <= bound[0] * h + bound[1] + 1e-30).all()

@@ -1,4 +1,4 @@
-"""One rate at a time: the lemma holds, is taken only where it does, and gains."""
+"""One rate at a time: the lemma holds, it is used only where it applies, and it gives smaller bounds."""
 
 from __future__ import annotations
 

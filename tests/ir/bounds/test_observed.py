@@ -1,4 +1,4 @@
-"""No rounding error that occurs is above its proved bound, and no bound is far above what occurs."""
+"""No rounding error that occurs is above its proved bound, and no bound is far above the errors that occur."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""No bound is below what roundings can do at a point, each tried by itself (`tests.ir.bounds.perturbed`)."""
+"""No bound is below the effect that single roundings can have at a point (`tests.ir.bounds.perturbed`)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.ir.bounds.observe import draw, lengths, run
 from tests.ir.bounds.vectors import CASES, RANGES, function, points
 from wmrgen.ir.bounds.analysis import analysed
 from wmrgen.ir.bounds.assumptions import LIBM
-from wmrgen.ir.bounds.lengths import SMALL_ANGLE
+from wmrgen.ir.bounds.patterns import SMALL_ANGLE
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op
 
@@ -44,10 +44,10 @@ def test_no_bound_in_terms_of_a_length_is_below_what_roundings_can_do(name: str)
         able, both = perturbed.worst(f, inputs), run(f, inputs)
         for row, (claim, k) in enumerate(zip(claims, f.results, strict=True)):
             h = lengths(f, both, k)
-            counts = h >= SMALL_ANGLE * claim.rho
+            counts = h >= SMALL_ANGLE * claim.length_error
             assert counts.sum() > 300
             with np.errstate(all="ignore"):
-                allowed = claim.error + claim.over / h
+                allowed = claim.error + claim.per_length / h
             assert (able[row] <= allowed * SECOND_ORDER)[counts].all()
             assert (able[row] >= allowed / 50)[counts].any(), (
                 "a bound far above all that can be hides what it lacks"

@@ -1,4 +1,4 @@
-"""A formula that is singular within the limits has no bound, and that is said in words wherever bounds stand."""
+"""A formula that is singular within the limits has no bound; header, report and model.json say so."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The algebra of slopes: whatever derivatives obey two bounds, their sums and products obey what is made of them."""
+"""Sums and products of slopes: derivatives within the bounds of two slopes stay within the combined bounds."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from wmrgen.ir.bounds.slopes import Partial, Slope
+from wmrgen.ir.bounds.walk import Slope
+from wmrgen.ir.ops.analysis import Partial
 
 COUNT = 4000
 J, K = 7, 8  # two lengths
@@ -16,7 +17,7 @@ J, K = 7, 8  # two lengths
 
 def _walk(shares: dict[tuple[int, int], float]) -> Any:
     """Node 0 depends on divisions by both lengths."""
-    return SimpleNamespace(behind=[frozenset({J, K})], share=lambda j, like: shares.get((j, like)))
+    return SimpleNamespace(lengths_behind=[frozenset({J, K})], share=lambda j, like: shares.get((j, like)))
 
 
 class _Sample:
@@ -39,13 +40,13 @@ class _Sample:
 
 def _obeys(slope: Slope, value: np.ndarray, h: dict[int, np.ndarray]) -> None:
     """Both bounds of a derivative."""
-    rest = sum((c / h[j] for j, c in slope.over.items()), np.zeros(COUNT))
+    rest = sum((c / h[j] for j, c in slope.per_length.items()), np.zeros(COUNT))
     room = 1e-9 * (np.abs(value) + slope.size + rest)
     assert (np.abs(value) <= slope.size + rest + room).all()
     low, high = slope.plain
     assert (low - rest - room <= value).all() and (value <= high + rest + room).all()
     for j in (J, K):
-        a, b = slope.of(j)
+        a, b = slope.second_bound(j)
         assert (np.abs(value) <= a + b * h[j] + rest + room).all()
 
 

@@ -1,4 +1,4 @@
-"""Functions of vectors that may vanish, and points at which they are of any length."""
+"""Functions of vectors that may vanish, and points at which these vectors have any length."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ def function(make: Callable[[Builder, int, int, int], list[int]]) -> Function:
 
 
 def heading_of(b: Builder, v: int, w: int) -> tuple[int, int]:
-    """Twice the arctangent of the slope of the line of (v, w), and the length."""
+    """Return the heading of the line along (v, w), by the half-angle formula, and the length of (v, w)."""
     size = b.sqrt(b.add(b.square(v), b.square(w)))
     kept = b.max(size, b.const(STILL))
     return b.mul(b.with_sign_of(b.const(2), v), b.atan(b.div(w, b.add(kept, b.abs(v))))), size
 
 
 def _steered(b: Builder, x: int, y: int, z: int) -> list[int]:
-    """Heading and speed of a wheel off the centre, limited to 1 rad."""
+    """The heading of a wheel, limited to 1 rad, and its speed along that heading."""
     v, w = b.sub(x, b.mul(b.const(Fraction(3, 10)), z)), b.add(y, b.mul(b.const(Fraction(7, 10)), z))
     heading, size = heading_of(b, v, w)
     limited = b.apply(Op.CLAMP, (heading, b.const(1)))
@@ -40,7 +40,7 @@ def _steered(b: Builder, x: int, y: int, z: int) -> list[int]:
 
 
 def _leaning(b: Builder, x: int, y: int, z: int) -> list[int]:
-    """A slope between limits, its angle, and what of the vector is along it."""
+    """The angle of a slope between limits, and the component of the vector along it."""
     v, w = b.sub(x, b.mul(b.const(Fraction(3, 10)), z)), b.mul(b.const(2), z)
     t = b.apply(Op.CLAMP, (b.div(w, b.apply(Op.AT_LEAST, (v, b.const(STILL)))), b.const(1)))
     return [b.atan(t), b.add(v, b.mul(w, t))]
@@ -53,7 +53,7 @@ def _quadrant(b: Builder, x: int, y: int, z: int) -> list[int]:
 
 
 def _turning(b: Builder, x: int, y: int, z: int) -> list[int]:
-    """The length times the angle: what errs across the vector counts; as it is, and where a choice is made."""
+    """Products of length and angle, in which errors across the vector count; with a choice and without."""
     v, w = b.sub(x, b.mul(b.const(Fraction(3, 10)), z)), b.add(y, b.mul(b.const(Fraction(7, 10)), z))
     heading, size = heading_of(b, v, w)
     half = b.const(Fraction(355, 226))
@@ -65,7 +65,7 @@ CASES = {"steered": _steered, "leaning": _leaning, "quadrant": _quadrant, "turni
 
 
 def points(seed: int, count: int = 40000) -> dict[str, np.ndarray]:
-    """Points of which many have a vector of any length down to nothing."""
+    """Draw points, many of which have short vectors."""
     rng = np.random.default_rng(seed)
     z = rng.uniform(-1, 1, count)
     short = 10.0 ** rng.uniform(-9, 0.3, count)

@@ -22,8 +22,7 @@ from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, evaluate
 from wmrgen.ir.kernels.choice import TARGETS
 from wmrgen.ir.rounding import to_float32, to_float64
-from wmrgen.ir.selftest import vectors
-from wmrgen.ir.selftest.vectors import _FLOOR, _rounded, tables
+from wmrgen.ir.selftest.vectors import FLOOR, LEAST_ROWS, rounded, tables
 
 LARGEST = (
     54_000  # bytes for each four tables of eight steered wheels, which have 73 columns; half stay below 27 kB
@@ -101,18 +100,19 @@ def test_numbers_are_the_exact_ones(robot: str) -> None:
     assert wrong_numbers(robot, "float", 3) == []
 
 
-def test_a_short_table_has_rows_of_the_whole_at_even_distances(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("numbers", [0, 150, 400])
+def test_a_short_table_has_rows_of_the_whole_at_even_distances(numbers: int) -> None:
     """From the first on, in order: no more than are allowed, and more than half as many."""
     module = of_gallery("unicycle").c_module
-    whole = [[v.inputs for v in table.vectors] for table in tables(module, "float")]
-    for most in (8, 13, 20):
-        monkeypatch.setattr(vectors, "_NUMBERS", 0)
-        monkeypatch.setattr(vectors, "_LEAST", most)
-        for table, every in zip(tables(module, "float"), whole, strict=True):
-            rows = [v.inputs for v in table.vectors]
-            step = -(-len(every) // len(rows))
-            assert table.law or len(rows) <= most
-            assert rows == every[::step] and 2 * len(rows) > min(most, len(every))
+    short = 0
+    for table, whole in zip(tables(module, "float", numbers=numbers), tables(module, "float"), strict=True):
+        rows, every = ([v.inputs for v in t.vectors] for t in (table, whole))
+        step = -(-len(every) // len(rows))
+        most = max(LEAST_ROWS, numbers // (len(table.inputs) + 2 * len(table.outputs)))
+        short += len(rows) < len(every)
+        assert table.law or len(rows) <= most
+        assert rows == every[::step] and 2 * len(rows) > min(most, len(every))
+    assert short
 
 
 @pytest.mark.slow
@@ -193,9 +193,9 @@ def test_a_number_is_sure_where_everything_within_its_error_rounds_to_it() -> No
     chance = np.random.default_rng(7)
     value = chance.normal(size=2000) * 10.0 ** chance.uniform(-16, 3, 2000)
     error = np.abs(value) * 10.0 ** chance.uniform(-12, 1, 2000)
-    rounded, sure = _rounded(value, error, "float")
+    near, sure = rounded(value, error, "float")
     ends = value - error, value + error
-    nothing = np.maximum(*np.abs(ends)) < _FLOOR
-    assert (nothing <= (sure & (rounded == 0))).all()
-    alike = np.logical_and(*(np.float32(end) == rounded for end in ends))
+    nothing = np.maximum(*np.abs(ends)) < FLOOR
+    assert (nothing <= (sure & (near == 0))).all()
+    alike = np.logical_and(*(np.float32(end) == near for end in ends))
     assert ((sure & ~nothing) == (alike & ~nothing)).all() and 0.2 < sure.mean() < 0.8

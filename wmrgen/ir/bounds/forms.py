@@ -1,8 +1,8 @@
-"""Ranges of sums in which a quantity stands twice: linear forms, and polynomials of sines and cosines.
+"""Ranges of sums in which a quantity occurs twice: linear forms, and polynomials of sines and cosines.
 
-A node that is a sum of multiples of others keeps the multiples. Products are multiplied out where both factors are
-made of sines and cosines alone: (cos x, sin x) lies on a circle, so that a cos x + b sin x is no more than |(a, b)|,
-and u M v, u and v two such points, no more than the spectral norm of M.
+A sum of multiples of other nodes keeps the multiples, so that terms cancel. Products are expanded if both factors are
+sums of sines and cosines. The point (cos x, sin x) is on the unit circle. So a cos x + b sin x is at most |(a, b)|, and
+u M v, for two such points u and v, is at most the spectral norm of M.
 """
 
 from __future__ import annotations
@@ -15,49 +15,66 @@ import numpy as np
 from wmrgen.geometry.exact.interval import Array, Interval, magnitude, plus
 from wmrgen.ir.nodes import Node, Op
 
-Monomial: TypeAlias = tuple[int, ...]  # one node or two, in order
+Monomial: TypeAlias = tuple[int, ...]  # a node, or the product of two nodes in ascending order
 
-_GROW = 1 + 1e-12  # covers the rounding of the coefficients and of the sum
-_MOST = 64  # terms of a linear form; longer ones are not worth their time
-_MOST_SQUARES = 400  # terms of a product
-_UNIT = 1 + 1e-5  # the length of (cos, sin) as computed
+_GROW = 1 + 1e-12  # factor for the float64 roundings of coefficients and sums, 400 of 1.1e-16 each
+_MOST = 64  # terms of a linear form; longer forms cost more time than they gain
+_MOST_SQUARES = 400  # terms of an expanded product; the same
+_UNIT = 1 + 1e-5  # upper bound of the length of a computed (cos, sin), whose error is a few 2**-24
 
 
 class Form(NamedTuple):
-    """The sum of coefficient times monomial, plus ``constant``, within ``slack`` (per box)."""
+    """The value of a node as a polynomial of other nodes, up to an error."""
 
-    terms: Mapping[Monomial, float]
+    terms: Mapping[Monomial, float]  # coefficients by monomial
     constant: float
-    slack: Array
+    slack: Array  # how far the value may be from the polynomial, per box
 
     def scaled(self, by: float) -> Form:
+        """Return the form times a number."""
         return Form({m: c * by for m, c in self.terms.items()}, self.constant * by, self.slack * abs(by))
 
     def widened(self, by: Array | float) -> Form:
+        """Return the form with a larger error."""
         return Form(self.terms, self.constant, self.slack + by)
 
     @property
     def degree(self) -> int:
+        """Return 0 for a constant, 1 for a linear form, 2 if there are products."""
         return max(map(len, self.terms), default=0)
 
 
 class Forms:
-    """The forms of the nodes of one walk; ``off``: how far c c + s s may be from 1 as computed."""
+    """The forms of the nodes of one function."""
 
     def __init__(self, nodes: Sequence[Node], boxes: int, off: float) -> None:
+        """Prepare the forms; `add` appends them.
+
+        Args:
+            nodes: the nodes of the function.
+            boxes: how many boxes are analysed at once.
+            off: how far cos**2 + sin**2 of computed values may be from 1.
+        """
         self.nodes, self.boxes, self.off = nodes, boxes, off
         self.list: list[Form] = []
         self.angle = {i: n.args[0] for i, n in enumerate(nodes) if n.op in (Op.SIN, Op.COS)}
         self.cosine = {n.args[0]: i for i, n in enumerate(nodes) if n.op is Op.COS}
 
     def add(self, i: int, ranges: Sequence[Interval], noise: Array | float) -> None:
-        """The form of node ``i``, rounded by ``noise``; ``ranges`` of the nodes before."""
+        """Append the form of a node.
+
+        Args:
+            i: the node; the forms of all nodes before it are there.
+            ranges: (low, high) of the nodes before it, one entry per box.
+            noise: the rounding error of the node, per box.
+        """
         form = self._of(self.nodes[i], ranges)
         self.list.append(
             Form({(i,): 1.0}, 0.0, np.zeros(self.boxes)) if form is None else form.widened(noise)
         )
 
     def _of(self, node: Node, ranges: Sequence[Interval]) -> Form | None:
+        """Return the form of a node without its rounding; None if it is best taken as a variable of its own."""
         if node.value is not None:
             value = float(node.value)
             return Form({}, value, np.full(self.boxes, abs(value) * 2.0**-52))
@@ -76,10 +93,11 @@ class Forms:
         return None
 
     def _product(self, a: Form, b: Form, sizes: Sequence[Array]) -> Form | None:
-        """a b, multiplied out where both are linear, one in sines and cosines."""
+        """Return the expanded product if both factors are linear and one of them in sines and cosines, else None."""
         if a.degree != 1 or b.degree != 1 or (len(a.terms) + 1) * (len(b.terms) + 1) > _MOST_SQUARES:
             return None
-        if all(any(k not in self.angle for (k,) in f.terms) for f in (a, b)):
+        waves = {(k,) for k in self.angle}  # sines and cosines
+        if not (a.terms.keys() <= waves or b.terms.keys() <= waves):
             return None
         constant, size = a.constant * b.constant, 0.0
         terms: dict[Monomial, float] = {}
@@ -98,7 +116,7 @@ class Forms:
         return Form(kept, constant, slack)
 
     def overlap(self, a: int, b: int) -> bool:
-        """Whether the sum of two nodes knows more than their ranges: a term in common, or one angle."""
+        """Return whether a + b may have a smaller range than the sum of ranges: through a common term or angle."""
         p, q = self.list[a].terms, self.list[b].terms
         if not p.keys().isdisjoint(q):
             return True
@@ -108,11 +126,11 @@ class Forms:
         return any(self._turning(m) in angles for m in q) or any(len(m) == 2 for m in (*p, *q))
 
     def _turning(self, m: Monomial) -> Monomial:
-        """The angles of which a monomial is a product of sines and cosines, -1 - k for a node k that is none."""
+        """Return by factor of a monomial the angle whose sine or cosine it is, or -1 - k for another node k; sorted."""
         return tuple(sorted(self.angle.get(k, -1 - k) for k in m))
 
     def range(self, form: Form, ranges: Sequence[Interval]) -> Interval:
-        """Where the form lies when the nodes lie in ``ranges``."""
+        """Return the range of a form for nodes in ``ranges``."""
         groups: dict[Monomial, list[tuple[Monomial, float]]] = {}
         for m, c in form.terms.items():
             groups.setdefault(self._turning(m), []).append((m, c))
@@ -131,7 +149,7 @@ class Forms:
     def _reach(
         self, angles: Monomial, group: Sequence[tuple[Monomial, float]], ranges: Sequence[Interval]
     ) -> tuple[float, Array | float]:
-        """(m, r): the group of one pair of angles, or of one angle and one factor, lies within r of m."""
+        """Return (m, r): the terms of a pair of angles, or of an angle and a factor, are in [m - r, m + r] together."""
         if angles[0] < 0:
             if len(angles) == 1 or angles[1] < 0:
                 return 0.0, np.inf
@@ -160,7 +178,7 @@ class Forms:
 
 
 def _plain(group: Sequence[tuple[Monomial, float]], ranges: Sequence[Interval]) -> Interval:
-    """The sum of the ranges of the terms."""
+    """Return the sum of the ranges of the terms."""
     low = high = np.zeros(())
     for m, c in group:
         a, b = ranges[m[0]]
@@ -175,7 +193,13 @@ def _plain(group: Sequence[tuple[Monomial, float]], ranges: Sequence[Interval]) 
 
 
 def combined(a: Form, b: Form, sign: int) -> Form | None:
-    """a + sign b; None where it grows too long."""
+    """Return a + sign b, or None if that has too many terms.
+
+    Args:
+        a: the first form.
+        b: the second form.
+        sign: 1 or -1.
+    """
     terms = dict(a.terms)
     for m, c in b.terms.items():
         terms[m] = terms.get(m, 0.0) + sign * c

@@ -1,7 +1,8 @@
-"""Parts of the inputs on each of which plain interval arithmetic shows every operation defined.
+"""Parts of the inputs on each of which plain interval arithmetic shows that every operation is defined.
 
-An analyser that knows no shapes (Frama-C Eva) cannot see that x is not zero where x x is not small. Given the inputs
-in parts it can: each part is halved along the inputs of what it cannot show, until it can or `MOST` parts are reached.
+Frama-C Eva does not recognise sums of squares: it cannot see that x is not zero if x x is not small. It can if it
+gets the inputs in parts. Each part with an operation that is not shown to be defined is halved along the inputs on
+which that operation depends, until there is none or `MOST` parts are reached.
 """
 
 from __future__ import annotations
@@ -15,36 +16,47 @@ from wmrgen.geometry.exact.interval import Interval
 from wmrgen.ir.bounds.assumptions import SINGLE, Range, constant
 from wmrgen.ir.nodes import Function, Node, Op
 
-MOST = 512
-_DEPTH = 24
-_LARGE = 2.0**-28  # a value beyond this share of the largest number is halved as if it overflowed
-_MARGIN = 1 + 1e-5  # float results may lie this much farther out
+MOST = 512  # parts of one function: keeps Eva from running for hours
+_DEPTH = 24  # halvings of one input: its parts are then a few float32 wide
+# Share of the largest number beyond which a part is halved as if there was an overflow. Eva's ranges are wider.
+_LARGE = 2.0**-28
+_MARGIN = 1e-5  # relative rounding error of a float result that is allowed for [1]; one rounding is 6e-8
 
 
 def cases(function: Function, ranges: Mapping[str, Range], finer: int = 0) -> list[dict[str, Range]]:
-    """A partition of ``ranges``; one part where nothing needs to be divided.
+    """Divide the ranges of inputs into parts.
 
-    ``finer``: how often every part is halved once more along the inputs that were divided, or on which divisors depend.
+    Args:
+        function: the function, without calls.
+        ranges: (low, high) by input name.
+        finer: how often every part is halved again along the inputs that were divided. If no input was divided, along
+            those on which divisors depend.
+
+    Returns:
+        The parts, which cover ``ranges``; one part if nothing needs to be divided.
     """
     names = [name for name, (lo, hi) in ranges.items() if lo < hi]
     parts: list[dict[str, Range]] = []
-    open_: list[dict[str, Range]] = [dict(ranges)]
+    pending: list[dict[str, Range]] = [dict(ranges)]
     cones = _cones(function)
     for depth in range(_DEPTH):
-        first = _first_alarm(function, open_)
+        first = _first_alarm(function, pending)
         halves: list[dict[str, Range]] = []
-        for part, node in zip(open_, first, strict=True):
+        for part, node in zip(pending, first, strict=True):
             along = [n for n in names if node >= 0 and n in cones[node]]
-            if not along or len(parts) + len(halves) + len(open_) > MOST:
+            if not along or len(parts) + len(halves) + len(pending) > MOST:
                 parts.append(part)
             else:
                 halves += _halved(part, along[depth % len(along)])
-        open_ = halves
-        if not open_:
+        pending = halves
+        if not pending:
             break
-    parts += open_
-    divided = [n for n in names if any(part[n] != ranges[n] for part in parts)]
-    if not divided:  # an analyser may see less than is seen here: what divisors depend on
+    parts += pending
+    divided = []
+    for name in names:
+        if any(part[name] != ranges[name] for part in parts):
+            divided.append(name)
+    if not divided:  # Eva may show less than is shown here
         below = {n for node in function.nodes if node.op is Op.DIV for n in cones[node.args[1]]}
         divided = [n for n in names if n in below]
     for name in divided * finer:
@@ -59,7 +71,7 @@ def _halved(part: dict[str, Range], name: str) -> list[dict[str, Range]]:
 
 
 def _cones(function: Function) -> list[frozenset[str]]:
-    """The inputs on which each node depends."""
+    """Return by node the inputs on which it depends."""
     cones: list[frozenset[str]] = []
     for node in function.nodes:
         own = frozenset({node.name}) if node.op is Op.INPUT and node.name else frozenset[str]()
@@ -68,7 +80,7 @@ def _cones(function: Function) -> list[frozenset[str]]:
 
 
 def _first_alarm(function: Function, parts: list[dict[str, Range]]) -> list[int]:
-    """Per part: the first divisor that may be zero, or value that may overflow; -1 where there is none."""
+    """Return by part the first divisor that may be zero or node that may overflow, -1 if there is none."""
     first = np.full(len(parts), -1)
     values: list[Interval] = []
     with np.errstate(all="ignore"):
@@ -98,10 +110,10 @@ def _value(node: Node, values: Sequence[Interval], count: int) -> Interval:
 
 
 def _quotient(nodes: Sequence[Node], values: Sequence[Interval], node: Node) -> Interval:
-    """A quotient; of a divisor that is one of two values, both quotients: an analyser may keep branches apart."""
+    """Return the range of a quotient. If the divisor is a choice of two values, both quotients count, as for Eva."""
     a, b = node.args
     guard = nodes[b]
-    if guard.op is Op.AT_LEAST:  # the code gives the sign to what is divided
+    if guard.op is Op.AT_LEAST:  # the code moves the sign to the dividend
         divisor, least = (values[k] for k in guard.args)
         first = iv.quotient(values[a], iv.larger(iv.absolute(divisor), least))
         zero = np.zeros(len(divisor[0])), np.zeros(len(divisor[0]))
@@ -114,6 +126,6 @@ def _quotient(nodes: Sequence[Node], values: Sequence[Interval], node: Node) -> 
 
 
 def _widened(value: Interval) -> Interval:
-    """As floats: each end moves by its own rounding, so that what is positive stays so."""
-    low, high = (np.abs(end) * (_MARGIN - 1) + SINGLE.tiny for end in value)
+    """Return the range of the rounded results: each end moves by its own rounding, so that its sign does not change."""
+    low, high = (np.abs(end) * _MARGIN + SINGLE.tiny for end in value)
     return value[0] - low, value[1] + high

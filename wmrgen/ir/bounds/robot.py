@@ -1,4 +1,4 @@
-"""Proved ranges and rounding errors of a robot's functions, and what they were proved under."""
+"""Proved ranges and rounding errors of a robot's functions, and the assumptions of the proof."""
 
 from __future__ import annotations
 
@@ -15,71 +15,80 @@ from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.ports import overshot
 from wmrgen.ir.bounds.analysis import Claim, Outcomes, analysed
 from wmrgen.ir.bounds.assumptions import LIBM, Domain, Library, Range, domain
-from wmrgen.ir.bounds.lengths import SMALL_ANGLE
+from wmrgen.ir.bounds.patterns import SMALL_ANGLE
 from wmrgen.ir.calls import hand_through, inline_prepare, inlined_calls
 from wmrgen.ir.nodes import Function, Module
 
 SINGULAR = "its formula is singular within the limits: a divisor comes close to zero"
 TIES = (
-    "Where two headings are equally near, or a wheel at its stop is about to turn back, rounding decides which is "
-    "taken: either is right, and the error is that of the one taken."
+    "If two headings are equally near, or a wheel at its stop is about to turn back, rounding decides which one is "
+    "taken. Either is correct, and the error is that of the one taken."
 )
-_NOTHING = 1e-100  # below every float: what the arithmetic of bounds leaves of zero
+_NOTHING = 1e-100  # smaller numbers are printed as 0: the outward rounding of a bound that is exactly 0
 
 
 class OutputBound(NamedTuple):
-    """The float result lies in [low, high] and within ``error`` + ``per_length`` / h of the exact formula.
+    """The bounds of one output: its float result is in [low, high], and near the result of the exact formula.
 
-    The formula is decided as the float code decides it: at a tie either branch is right, the error that of the taken.
-    h is the length of the shortest vector whose direction the output depends on, as the speed [m/s] of the pivot of
-    a steered wheel; the error is claimed where h >= ``from_length``. Both are 0 where there is no such vector.
-    ``singular``: nothing of this is claimed, for a divisor in the formula comes close to zero within the limits.
+    At a tie the exact formula takes the same branch as the float code.
     """
 
     name: str
     unit: str
-    low: float
-    high: float
-    error: float
-    per_length: float
-    from_length: float
-    singular: bool = False
+    low: float  # [unit]
+    high: float  # [unit]
+    # The error is at most error + per_length / h where h >= from_length. h is the length of the shortest vector whose
+    # direction the output depends on, such as the speed [m/s] of the pivot of a steered wheel. per_length and
+    # from_length are 0 if there is no such vector.
+    error: float  # [unit]
+    per_length: float  # [unit of the vector times unit]
+    from_length: float  # [unit of the vector]
+    singular: bool = False  # a divisor comes close to zero within the limits, so that no error is claimed
 
 
 class FunctionBound(NamedTuple):
-    """One function: ``inputs`` by name, ``outputs``, what could not be shown (``alarms``), inputs without range."""
+    """The bounds of one function."""
 
     name: str
-    inputs: dict[str, Range]
+    inputs: dict[str, Range]  # by name, in the input's unit
     outputs: tuple[OutputBound, ...]
-    alarms: tuple[str, ...]
-    unknown: tuple[str, ...] = ()
+    alarms: tuple[
+        str, ...
+    ]  # "operation: what may happen", for each operation that was not shown to be defined
+    unknown: tuple[str, ...] = ()  # inputs without a range
 
     @property
     def proved(self) -> bool:
+        """Return whether every operation is defined within the ranges of the inputs."""
         return not self.alarms and not self.unknown
 
 
 class Bounds(NamedTuple):
-    """All functions of a robot in one floating-point type, with ``library`` for sines and arctangents.
+    """The bounds of all functions of a robot in float32."""
 
-    ``missing``: limits that the robot file must have; ``assumed``: ranges of inputs that it does not limit.
-    """
-
-    library: Library
-    missing: tuple[str, ...]
-    declared: dict[str, Range]
-    assumed: dict[str, Range]
+    library: Library  # errors of sines and arctangents
+    missing: tuple[str, ...]  # limits that the robot file needs; without them ``functions`` is empty
+    declared: dict[str, Range]  # limits of the robot file, by input name
+    assumed: dict[str, Range]  # ranges of inputs without limits, by input name
     functions: tuple[FunctionBound, ...]
 
     @property
     def steers(self) -> bool:
-        """Whether an output depends on the direction of a vector that may vanish."""
+        """Return whether an output depends on the direction of a vector that may vanish."""
         return any(o.from_length for f in self.functions for o in f.outputs)
 
 
 def bounds(robot: Robot, module: Module, library: Library) -> Bounds:
-    """The bounds of every C function of ``module`` in float; no function where needed limits are missing."""
+    """Bound every C function of a robot in float32.
+
+    Args:
+        robot: the robot, whose limits bound the inputs.
+        module: its functions.
+        library: the errors of sines and arctangents.
+
+    Returns:
+        The bounds; without functions if limits are missing.
+    """
     where = domain(robot)
     missing = where.missing()
     if missing:
@@ -89,23 +98,29 @@ def bounds(robot: Robot, module: Module, library: Library) -> Bounds:
     printed = functions(module)
     outcomes = Outcomes(printed, library)
     for function in printed:
-        bound = _function(function, where, outcomes)
+        bound = _function_bound(function, where, outcomes)
         proved.append(bound)
         assumed |= {name: r for name, r in bound.inputs.items() if name not in where.declared}
     return Bounds(library, (), where.declared, assumed, tuple(proved))
 
 
 def functions(module: Module) -> list[Function]:
-    """The functions as they are printed, each with its part of prepare()."""
+    """Return the functions as they are printed, each with its part of prepare() and without calls."""
     printed = hand_through(inlined_calls(module))
     return [inline_prepare(f, printed.prepare) for f in printed.functions if f.outputs]
 
 
 def reach(robot: Robot, module: Module, limits: Mapping[str, Range]) -> dict[str, Range]:
-    """Component of the twist -> what `forward` of ``module`` gives while every joint keeps its overshot ``limits``.
+    """Bound the twist that `forward` computes while every joint is within its limits.
 
-    What it gives as 0 whatever the joints do is left out, and what is not bounded: a joint has no limits, or the
-    formula is singular within them.
+    Args:
+        robot: the robot.
+        module: its functions.
+        limits: (low, high) by joint; joints may overshoot them (`wmrgen.geometry.ports.overshot`).
+
+    Returns:
+        (low, high) by component of the twist [m/s, rad/s]. Components that are always 0 are left out, and those without
+        a bound, because a joint has no limits or the formula is singular within them.
     """
     measured = Domain(robot, {name: outside(*overshot(*limit)) for name, limit in limits.items()})
     for function in functions(
@@ -116,17 +131,22 @@ def reach(robot: Robot, module: Module, limits: Mapping[str, Range]) -> dict[str
         if outcome is not None and not outcome.alarms:
             claims = zip(function.outputs, outcome.claims, strict=True)
             bounded = ((p.name, c) for p, c in claims if not c.singular)
-            return {name: (_up(c.low, -1), _up(c.high)) for name, c in bounded if c.low < c.high}
+            return {
+                name: (rounded_outward(c.low, -1), rounded_outward(c.high))
+                for name, c in bounded
+                if c.low < c.high
+            }
     return {}
 
 
-def _function(function: Function, where: Domain, outcomes: Outcomes) -> FunctionBound:
+def _function_bound(function: Function, where: Domain, outcomes: Outcomes) -> FunctionBound:
+    """Bound one function; the results of `inverse` become ranges of later functions in ``where``."""
     ranges, unknown = where.of(function)
     if unknown:
         return FunctionBound(function.name, ranges, (), (), tuple(unknown))
     outcome = outcomes.of(function, ranges)
     outputs = tuple(
-        _output(claim, port.name, port.unit)
+        output_bound(claim, port.name, port.unit)
         for port, claim in zip(function.outputs, outcome.claims, strict=True)
     )
     if function.name == "inverse":
@@ -137,36 +157,57 @@ def _function(function: Function, where: Domain, outcomes: Outcomes) -> Function
 
 
 def _add_steering(where: Domain) -> None:
-    """`steer_toward` commands steering rates that `inverse` leaves at 0, and adds to spins what they take."""
+    """Widen commanded spins by the spin that steering takes, for wheels that roll when they are steered.
+
+    `inverse` commands no steering rate for these wheels, but `steer_toward` does.
+    """
     for w in where.robot.wheels:
         spin, rate = f"{w.name}.spin", f"{w.name}.steer_rate"
         if w.rolls_when_steered and rate in where.commanded:
             del where.commanded[rate]
             low, high = where.commanded[spin]
-            share = _up(float(steering_spin(where.robot, w) or 0))
+            share = rounded_outward(float(steering_spin(where.robot, w) or 0))
             where.commanded[spin] = low - share, high + share
 
 
-def _output(claim: Claim, name: str, unit: str) -> OutputBound:
+def output_bound(claim: Claim, name: str, unit: str) -> OutputBound:
+    """Return a claim as the bounds of an output, rounded outward to six digits.
+
+    Args:
+        claim: the claim.
+        name: the output's name.
+        unit: the output's unit.
+
+    Returns:
+        The bounds that are printed.
+    """
     return OutputBound(
-        name, unit, _up(claim.low, -1), _up(claim.high), _up(claim.error), _up(claim.over),
-        _up(SMALL_ANGLE * claim.rho), claim.singular,
-    )  # fmt: skip
+        name,
+        unit,
+        low=rounded_outward(claim.low, -1),
+        high=rounded_outward(claim.high),
+        error=rounded_outward(claim.error),
+        per_length=rounded_outward(claim.per_length),
+        from_length=rounded_outward(SMALL_ANGLE * claim.length_error),
+        singular=claim.singular,
+    )
 
 
-def _up(value: float, sign: int = 1) -> float:
-    """``value`` away from minus infinity (``sign`` 1) or plus infinity, to six digits; what rounds to zero is zero."""
+def rounded_outward(value: float, sign: int = 1) -> float:
+    """Return ``value`` to six digits, rounded up (``sign`` 1) or down (-1); values below 1e-100 become zero."""
     value = float(value)
     if not np.isfinite(value):
         return value
     if abs(value) < _NOTHING:
         return 0.0
-    value += sign * abs(value) * 1e-9  # whatever the last place on a processor, the digits are the same
+    value += (
+        sign * abs(value) * 1e-9
+    )  # the digits must not depend on the last bit, which depends on the processor
     return float(Context(6, ROUND_CEILING if sign > 0 else ROUND_FLOOR).create_decimal_from_float(value))
 
 
 def data(result: Bounds) -> dict[str, Any]:
-    """The bounds as plain data: what model.json and `wmrgen prove --json` hold."""
+    """Return the bounds as plain data, for model.json and `wmrgen prove --json`."""
     return {
         "scalar": "float",
         "library": {"name": result.library.name, **result.library.table()},
@@ -202,7 +243,7 @@ def _output_data(o: OutputBound) -> dict[str, Any]:
 
 
 def header_lines(bounds: Bounds) -> tuple[str, ...]:
-    """What is proved, under which limits, and a line per kind of output; nothing without limits."""
+    """Return what is proved, under which limits, and a line for each kind of output; nothing without limits."""
     if bounds.missing:
         return ()
     library = bounds.library
@@ -210,13 +251,11 @@ def header_lines(bounds: Bounds) -> tuple[str, ...]:
     if bounds.assumed:
         under += f", and with these ranges of inputs that have no limits: {listed(bounds.assumed)}"
     under += (
-        ": no division by zero, no NaN, no infinity; results in the ranges below; and off the exact formula, by "
+        ": no division by zero, no NaN, no infinity. Results are in the ranges below, and off the exact formula, by "
         f"rounding, at most as stated ({described(library)})."
     )
     if bounds.steers:
-        under += (
-            " speed is that of the pivot of a steered wheel [m/s]; where it is 0, the angle is not defined."
-        )
+        under += " In errors, speed is that of the pivot of a steered wheel [m/s]. At speed 0 the angle is not defined."
         under += f" {TIES}"
     lines = [under]
     for f in bounds.functions:
@@ -225,7 +264,7 @@ def header_lines(bounds: Bounds) -> tuple[str, ...]:
 
 
 def described(library: Library) -> str:
-    """What the bounds rest on."""
+    """Return the assumed errors of sines and arctangents in words."""
     if library.circle:
         return (
             f"its own sines within {library.sin:g} * 2**-24 up to {library.reach:g} rad, arctangents within "
@@ -238,7 +277,7 @@ def described(library: Library) -> str:
 
 
 def listed(ranges: dict[str, Range]) -> str:
-    """Ranges by name, equal ones of one joint together: ``|left.spin, right.spin| <= 40``."""
+    """Return ranges as text, joints of the same kind and range together: ``|left.spin, right.spin| <= 40``."""
     groups: dict[tuple[str, Range], list[str]] = {}
     for name, r in ranges.items():
         groups.setdefault((name.rpartition(".")[2] if "." in name else name, r), []).append(name)
@@ -246,18 +285,19 @@ def listed(ranges: dict[str, Range]) -> str:
 
 
 def limit(names: str, r: Range) -> str:
+    """Return one range as text: ``|vx| <= 2`` or ``-2 <= vx <= 1.5``."""
     low, high = r
     return f"|{names}| <= {high:.6g}" if low == -high else f"{low:.6g} <= {names} <= {high:.6g}"
 
 
 def beyond(f: FunctionBound, bounds: Bounds) -> dict[str, Range]:
-    """The ranges of inputs that a function takes beyond their limits."""
+    """Return the ranges of inputs that are larger than the declared limits."""
     return {name: r for name, r in f.inputs.items() if bounds.declared.get(name, r) != r}
 
 
 def _of_function(f: FunctionBound, bounds: Bounds) -> list[str]:
     if f.unknown:
-        return [f"  {f.name}: nothing, for no range is known of {', '.join(f.unknown)}"]
+        return [f"  {f.name}: not bounded, because {', '.join(f.unknown)} has no range"]
     if f.alarms:
         return [f"  {f.name}: not proved ({'; '.join(f.alarms)})"]
     groups: dict[tuple[str, str], list[OutputBound]] = {}
@@ -266,20 +306,22 @@ def _of_function(f: FunctionBound, bounds: Bounds) -> list[str]:
         groups.setdefault(key, []).append(o)
     wider = beyond(f, bounds)
     head = [f"  {f.name} is looked at for {listed(wider)}"] if wider else []
-    return head + [
-        f"  {f.name}: {', '.join(o.name for o in group)} {bound(group[0])}" for group in groups.values()
-    ]
+    lines = []
+    for group in groups.values():
+        names = ", ".join(o.name for o in group)
+        lines.append(f"  {f.name}: {names} {bound(group[0])}")
+    return head + lines
 
 
 def bound(o: OutputBound) -> str:
-    """``in [-2, 2] m/s, off by 1.2e-07``."""
+    """Return the bounds of an output as text: ``in [-2, 2] m/s, off by 1.2e-07``."""
     if o.singular:
         return f"has no bound: {SINGULAR}"
     return f"in [{o.low:.6g}, {o.high:.6g}] {o.unit or '1'}, off by {error(o)}"
 
 
 def error(o: OutputBound) -> str:
-    """The bound of the error, rounded up to two digits; speed is what it depends on."""
+    """Return the bound of the error as text, rounded up to two digits, in terms of the speed if it depends on one."""
     if not o.from_length:
         return rounded_up(o.error)
     where = f"speed >= {rounded_up(o.from_length)}"
@@ -289,7 +331,7 @@ def error(o: OutputBound) -> str:
 
 
 def rounded_up(value: float) -> str:
-    """Two digits, not below ``value``."""
+    """Return ``value`` as text, rounded up to two digits."""
     if not value:
         return "0"
     text = f"{value:.1e}"

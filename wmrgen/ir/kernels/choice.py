@@ -1,4 +1,4 @@
-"""How C is to be written: the scalar type, whose sines it uses, and for which processor."""
+"""How C is written: the scalar type, the source of its sines, and the processor."""
 
 from __future__ import annotations
 
@@ -13,18 +13,16 @@ M4F, M0, AVR, HOST = TARGETS = ("m4f", "m0", "avr", "host")
 
 
 class Choice(NamedTuple):
-    """What ``--scalar``, ``--math`` and ``--target`` say.
+    """The options ``--scalar``, ``--math`` and ``--target``."""
 
-    ``math``: ``inline`` (own float kernels) or ``libm``. ``target``: ``m4f`` has a fused multiply-add (Cortex-M4F,
-    M7, M33, RISC-V F), ``m0`` no floating point, ``avr`` avr-libc; ``host`` is any FPU, without fmaf.
-    """
-
-    scalar: str = "float"
-    math: str = INLINE
+    scalar: str = "float"  # or "double"
+    math: str = INLINE  # "inline": our own float kernels, "libm": the C library
+    # "m4f": an FPU with fused multiply-add (Cortex-M4F, M7, M33, RISC-V F); "m0": no floating point; "avr": avr-libc;
+    # "host": any FPU, without fused multiply-add.
     target: str = M4F
 
     def words(self) -> dict[str, str]:
-        """As a manifest notes it."""
+        """Return the options as a manifest has them."""
         return {"scalar": self.scalar, "math": self.math, "target": self.target}
 
 
@@ -32,17 +30,26 @@ DEFAULT = Choice()
 
 
 def choice(scalar: str = DEFAULT.scalar, math: str | None = None, target: str = DEFAULT.target) -> Choice:
-    """A choice that exists: the kernels are float code, so double takes libm. UsageError for other words."""
+    """Return a choice of options.
+
+    Args:
+        scalar: "float" or "double".
+        math: "inline" or "libm"; by default inline for float, and libm for double, for which there are no kernels.
+        target: the processor.
+
+    Raises:
+        UsageError: an unknown word, or inline with double.
+    """
     for word, words in ((scalar, SCALARS), (math or LIBM, MATHS), (target, TARGETS)):
         if word not in words:
-            raise UsageError(f"{word!r} is none of {', '.join(words)}")
+            raise UsageError(f"{word!r} is not one of {', '.join(words)}")
     if scalar == "double" and math == INLINE:
         raise UsageError("--math inline is for --scalar float: there are no kernels for double")
     return Choice(scalar, math or (INLINE if scalar == "float" else LIBM), target)
 
 
 def noted(words: Mapping[str, str]) -> Choice:
-    """The choice that a manifest notes; the usual one where it notes none."""
+    """Return the choice that a manifest has; the default if it has none or an unknown one."""
     options = {key: words[key] for key in ("scalar", "math", "target") if key in words}
     try:
         return choice(**options)

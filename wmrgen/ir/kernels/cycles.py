@@ -1,4 +1,4 @@
-"""Cycles of float instructions, by the manuals of processors: what decides where products are fused with sums."""
+"""Cycles of float instructions from the manuals of processors, which decide where products are fused with sums."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from wmrgen.ir.kernels.choice import M4F
 
 
 class Cycles(NamedTuple):
-    """What float instructions take. ``copy``: from one register to another."""
+    """The cycles of float instructions."""
 
     add: int
     multiply: int
-    fused: int  # multiply-add
-    divide: int  # and root
-    copy: int
+    fused: int  # fused multiply-add
+    divide: int  # also the square root
+    copy: int  # from one register to another
 
 
 # Processors with a fused multiply-add. Arm Cortex-M4 Processor Technical Reference Manual (DDI 0439), table 7-1: VADD,
@@ -23,13 +23,13 @@ CYCLES = {M4F: Cycles(add=1, multiply=1, fused=3, divide=14, copy=1)}
 
 
 def fused_pays(target: str, copied: bool = False) -> bool:
-    """Whether a fused multiply-add costs no more than a product and a sum, in cycles and in instructions together.
+    """Return whether a fused multiply-add costs no more than a product and a sum.
 
-    An instruction is fetched from flash as well, so each counts as a cycle more.
+    Each instruction costs its cycles, and one cycle more because it is fetched from flash.
 
     Args:
-        target: of `Choice`; one without the instruction has no use for it.
-        copied: whether the number that is added is needed again. The instruction overwrites it, so it is copied first.
+        target: the target of `Choice`; for one without the instruction the result is False.
+        copied: whether the addend is needed again. The instruction overwrites it, so it is copied first.
     """
     if target not in CYCLES:
         return False

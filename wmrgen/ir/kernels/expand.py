@@ -1,8 +1,7 @@
-"""Functions as the C backend computes them: kernels in place of library calls.
+"""Functions as the C back end computes them: kernels in place of library calls.
 
-Runs after optimisation and its exact checks. What comes out is float code, operation by operation: the float32
-interpreter predicts its bits on every target. It is no longer exact algebra, so no pass may follow but
-`schedule`.
+Runs after optimisation and its exact checks. The result is float code, operation by operation, whose bits the float32
+interpreter predicts on every target. It is no longer exact algebra, so no pass except `schedule` may follow.
 """
 
 from __future__ import annotations
@@ -22,12 +21,32 @@ _INTEGER = {Op.SIN: Op.ISIN, Op.COS: Op.ICOS, Op.ATAN: Op.IATAN}
 
 
 def expand(module: Module, scalar: str, math: str, target: str = DEFAULT.target) -> Module:
-    """``module`` as operations of C: rounding and signs as arithmetic, float functions as kernels or libm's."""
+    """Return a module in operations of C: rounding and signs as arithmetic, float functions as kernels or libm calls.
+
+    Args:
+        module: the optimised module.
+        scalar: "float" or "double".
+        math: "inline" or "libm".
+        target: the processor, see `wmrgen.ir.kernels.choice.Choice`.
+
+    Returns:
+        The module, without calls of kernels.
+    """
     return inlined_calls(with_kernels(module, scalar, math, target))
 
 
 def with_kernels(module: Module, scalar: str, math: str, target: str) -> Module:
-    """As `expand`, and kernels are called: those of ``module`` itself and those of its sines and arctangents."""
+    """Return `expand` of a module with calls of kernels: its own, and those of its sines and arctangents.
+
+    Args:
+        module: the optimised module.
+        scalar: "float" or "double".
+        math: "inline" or "libm".
+        target: the processor.
+
+    Returns:
+        The module, with the kernels that it calls.
+    """
     if scalar != "float" or target == AVR:
         math = LIBM
     processor = processor_of(scalar, math, target)
@@ -47,7 +66,16 @@ def with_kernels(module: Module, scalar: str, math: str, target: str) -> Module:
 
 
 def processor_of(scalar: str, math: str, target: str) -> Processor:
-    """What floats are computed with."""
+    """Return what a processor computes with.
+
+    Args:
+        scalar: "float" or "double".
+        math: "inline" or "libm".
+        target: the processor.
+
+    Returns:
+        The properties on which the expansion depends.
+    """
     single = scalar == "float"
     inline = math == INLINE
     return Processor(
@@ -61,13 +89,13 @@ def processor_of(scalar: str, math: str, target: str) -> Processor:
 
 
 def _results_of_both(function: Function, module: Module) -> tuple[int, ...]:
-    """Which results of a variant are those of the function itself, where ``module`` has both."""
+    """Return the numbers of the results that a variant shares with its function, if ``module`` has both."""
     names = {port.name for f in module.functions if f.name == function.variant_of for port in f.outputs}
     return tuple(k for k, port in enumerate(function.outputs) if port.name in names)
 
 
 def _needed(functions: tuple[Function, ...], kernels: tuple[Function, ...]) -> tuple[Function, ...]:
-    """The kernels that are called, by others too, in their order."""
+    """Return the kernels that are called, directly or by other kernels, in their order."""
     wanted = set(called(functions))
     for kernel in reversed(kernels):
         if kernel.name in wanted:
@@ -76,21 +104,26 @@ def _needed(functions: tuple[Function, ...], kernels: tuple[Function, ...]) -> t
 
 
 def rounds(module: Module) -> bool:
-    """Whether an expanded module rounds to whole numbers by adding a large one."""
+    """Return whether an expanded module rounds to whole numbers by adding a large one."""
     large = (RINT32, EVEN32, RINT64)
     functions = (*module.functions, *module.kernels)
     return any(node.value in large for function in functions for node in function.nodes)
 
 
 class _Expansion:
-    """One function, node by node."""
+    """The expansion of one function, node by node."""
 
     def __init__(
         self, function: Function, processor: Processor, vectors: bool = False, common: tuple[int, ...] = ()
     ) -> None:
-        """``vectors``: the module has kernels for vectors, so that directions are those of size 1.
+        """Prepare the expansion; `run` does it.
 
-        ``common``: results of which another function has the same bits; what they need is as if there were no others.
+        Args:
+            function: the function.
+            processor: what it is computed with.
+            vectors: whether the module has the kernel for vectors, which then also gives directions (size 1).
+            common: results that must have the same bits as in another function. Their nodes are expanded as if there
+                were no other results.
         """
         self.processor, self.directions = processor, not vectors
         self.function = function
@@ -102,6 +135,7 @@ class _Expansion:
         self.constants = {i for i, node in enumerate(function.nodes) if node.value is not None}
 
     def run(self, kernel: bool = False) -> Function:
+        """Return the expanded function; ``kernel``: see `wmrgen.ir.kernels.sums.fuse`."""
         for i, node in enumerate(self.function.nodes):
             self.place.append(self._node(i, node))
         expanded = rebuilt(self.function, self.tape.nodes, dict(enumerate(self.place)))
@@ -119,7 +153,7 @@ class _Expansion:
                 magic = tape.const(p.magic)
                 return tape.sub(tape.add(args[0], magic), magic)
             case Op.MIN | Op.MAX if node.args[0] in self.constants:
-                args = args[::-1]  # alike wherever it stands
+                args = args[::-1]  # the constant last, wherever it was
             case Op.FLIP:
                 return self._flip(args[0], node.args[1])
             case Op.MUL:
@@ -142,13 +176,13 @@ class _Expansion:
         return tape.copy(node, args)
 
     def _quotient_off_zero(self, above: int, a: int, least: int) -> int:
-        """above / at_least(a, least), the sign that of what is divided: whoever reads the C sees no zero divisor."""
+        """Write above / at_least(a, least) with the sign in the dividend, so that the divisor is visibly positive."""
         tape, a, least = self.tape, self.place[a], self.place[least]
         size = tape.put(Op.MAX, tape.put(Op.ABS, a), least)
         return tape.div(compared(tape, Op.WITH_SIGN_OF, above, a), size)
 
     def _quotient(self, node: Node, common: bool) -> int | None:
-        """a (1/b) as a/b, and c (a/b) as (c a)/b where c a is there: a product less."""
+        """Return a (1/b) as a/b, and c (a/b) as (c a)/b if c a is computed anyway; None for other products."""
         nodes, uses = self.function.nodes, self.part.uses if common else self.uses
         for factor, other in (node.args, node.args[::-1]):
             quotient = nodes[other]
@@ -163,7 +197,7 @@ class _Expansion:
         return None
 
     def _flip(self, a: int, n: int) -> int:
-        """a where the whole number n, a node of `function`, is even, else -a."""
+        """Return a if the whole number n, a node of the function, is even, else -a."""
         tape, whole = self.tape, self.place[n]
         if self.function.nodes[n].op is Op.RINT:
             raised = tape.nodes[whole].args[0]

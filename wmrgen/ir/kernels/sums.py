@@ -1,8 +1,8 @@
-"""Sums of products as a processor has them: fused where that is an instruction, and compensated.
+"""Sums of products as a processor computes them: fused where it has the instruction, and compensated.
 
-A fused multiply-add does not round a product that is only added. A compensated sum must not lose what cancels: with the
-centre of rotation 10 nm from a wheel, vx - y omega is 1e-8 of its terms, less than a float resolves. The product is
-therefore formed in parts that are exact, and taken away one after the other.
+A fused multiply-add does not round the product. A compensated sum must not lose digits when terms cancel: with the
+centre of rotation 10 nm from a wheel, vx - y omega is 1e-8 of its terms, less than the resolution of a float. The
+product is therefore formed in parts that are exact, which are subtracted one after the other.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ _TWO = Exact(2)
 def fuse(
     function: Function, kernel: bool = False, common: tuple[int, ...] = (), constants: bool = True
 ) -> Function:
-    """``function`` with sums of a product that nothing else needs as one operation.
+    """Return ``function`` with fused multiply-adds: each sum with a product that has no other user becomes one.
 
     Args:
-        function: in operations of C.
-        kernel: whether squares of inputs stay: calls have inputs in common, and a compiler shares the squares.
-        common: numbers of results; what they need is fused as if there were no others.
-        constants: whether products that are added to constants are fused, too.
+        function: a function in operations of C.
+        kernel: whether squares of inputs remain products, because calls with equal inputs share them.
+        common: numbers of results whose nodes are fused as if there were no other results.
+        constants: whether products that are added to constants are fused as well.
     """
     function = pruned(function)
     nodes = function.nodes
@@ -64,7 +64,7 @@ def fuse(
 
 
 def _products(function: Function, kernel: bool, part: Shared) -> dict[int, int]:
-    """Sum -> which of its arguments is a product for it alone; in ``part``, alone in it."""
+    """Return by sum which of its arguments is a product without other users; within ``part``, users there count."""
     sums = [i for i, node in enumerate(function.nodes) if node.op is Op.ADD or node.op is Op.SUB]
     products: dict[int, int] = {}
     uses = uses_of(function)
@@ -78,7 +78,7 @@ def _products(function: Function, kernel: bool, part: Shared) -> dict[int, int]:
 
 
 def _product(nodes: Sequence[Node], i: int, uses: Mapping[int, int], kernel: bool) -> int | None:
-    """Which of the two arguments of sum ``i`` is a product for it alone. Twice x is better left as x + x."""
+    """Return which argument of sum ``i`` is a product without other users, or None. 2 x stays: x + x is exact."""
     for k, arg in enumerate(nodes[i].args):
         product = nodes[arg]
         if (
@@ -97,7 +97,17 @@ _SPLIT = Exact(4097)  # 2**12 + 1: Veltkamp's constant for halves of 12 bits
 
 
 def compensated_sum(tape: Tape, x: int, product: int, fused: bool) -> int:
-    """x + product, formed in parts that are exact."""
+    """Write x + product with the product in parts that are exact.
+
+    Args:
+        tape: the nodes.
+        x: the other addend.
+        product: a product, or the negative of one; other nodes are added as they are.
+        fused: whether the processor has a fused multiply-add.
+
+    Returns:
+        The node of the sum.
+    """
     negative = tape.nodes[product].op is Op.NEG
     node = tape.nodes[tape.nodes[product].args[0]] if negative else tape.nodes[product]
     if node.op is not Op.MUL:
@@ -132,7 +142,7 @@ def _split(tape: Tape, x: int, c: Exact, y: int) -> int:
 
 
 def _less_parts(tape: Tape, x: int, parts: list[int], y: int, low: int | None) -> int:
-    """x + (parts + low) y; a product of two halves of 12 bits is exact, and so is the sum of the two middle ones."""
+    """Write x + (parts + low) y. Products of two halves of 12 bits are exact, and so is the sum of the middle ones."""
     high_y, low_y = _halves(tape, y)
     total = tape.add(x, tape.mul(parts[0], high_y))
     middle = tape.mul(parts[0], low_y)
@@ -146,14 +156,23 @@ def _less_parts(tape: Tape, x: int, parts: list[int], y: int, low: int | None) -
 
 
 def rounding_error(tape: Tape, a: int, b: int) -> int:
-    """a + b less what it is rounded to, itself a float (Knuth's TwoSum)."""
+    """Write the error of the rounding of a + b, which is a float (Knuth's TwoSum).
+
+    Args:
+        tape: the nodes.
+        a: an addend.
+        b: an addend.
+
+    Returns:
+        The node of the exact sum minus the rounded one.
+    """
     total = tape.add(a, b)
     second = tape.sub(total, a)
     return tape.add(tape.sub(a, tape.sub(total, second)), tape.sub(b, second))
 
 
 def _halves(tape: Tape, y: int) -> list[int]:
-    """y in two floats of 12 bits (Veltkamp)."""
+    """Write y as the sum of two floats of 12 bits (Veltkamp)."""
     t = tape.mul(tape.const(_SPLIT), y)
     high = tape.sub(t, tape.sub(t, y))
     return [high, tape.sub(y, high)]

@@ -1,7 +1,7 @@
-"""Sine, cosine and arctangents as float kernels: functions without branches, tables or calls but of each other.
+"""Sine, cosine and arctangents as float kernels: functions without branches or tables, which only call each other.
 
-``python -m benchmarks kernels`` computes their coefficients and their worst errors. Every value is a float32, given as
-the decimal that reads back as it.
+``python -m benchmarks kernels`` computes their coefficients and their largest errors. Every number is a float32,
+written as the shortest decimal that reads back as it.
 """
 
 from __future__ import annotations
@@ -48,21 +48,20 @@ PER_QUARTER, LESS_QUARTER_LOW = _floats("0.63661975", "4.371139e-08")
 
 
 class Worst(NamedTuple):
-    """Worst errors over every float. ``sine``, ``arctangent``: of angles up to pi/2 and of arguments up to 1, in ulp;
-    ``circle``: of the sine and cosine of angles up to 100 rad, in units of 2**-24."""
+    """The largest errors of kernels, found by trying every float."""
 
-    sine: str
-    circle: str
-    arctangent: str
+    sine: str  # of angles up to pi/2 [ulp]
+    circle: str  # of sine and cosine of angles up to 100 rad [2**-24]
+    arctangent: str  # of arguments up to 1 [ulp]
 
 
-FUSED = Worst(sine="1.68", circle="2.52", arctangent="1.19")  # where a product that is added is not rounded
+FUSED = Worst(sine="1.68", circle="2.52", arctangent="1.19")  # with fused multiply-add
 WHOLE = Worst(sine="15.34", circle="0.73", arctangent="6.67")  # in integers
-PLAIN = Worst(sine="1.90", circle="2.93", arctangent="1.23")
+PLAIN = Worst(sine="1.90", circle="2.93", arctangent="1.23")  # in floats without fused multiply-add
 
 
 def worst(target: str) -> Worst:
-    """Of the kernels of a target that has its own."""
+    """Return the largest errors of the kernels of a target."""
     return {M4F: FUSED, M0: WHOLE}.get(target, PLAIN)
 
 
@@ -72,25 +71,33 @@ SOFT = {Op.MUL: Op.IMUL, Op.DIV: Op.IDIV, Op.SQRT: Op.ISQRT}  # the same values 
 
 
 class Processor(NamedTuple):
-    """What floats are computed with. ``inline``: own kernels, else libm's functions. ``fused``: products that are
-    added are not rounded; ``shared``: also where they are added to a constant that other calls of a kernel need.
-    ``bits``: signs are taken from bits. ``integer``: no floating point at all."""
+    """What a processor computes with."""
 
-    inline: bool
-    fused: bool
-    shared: bool
-    bits: bool
-    integer: bool
+    inline: bool  # our own kernels; otherwise the functions of libm
+    fused: bool  # fused multiply-add
+    shared: bool  # fused multiply-add also for constants that other calls of a kernel need
+    bits: bool  # signs are read from the bits of floats
+    integer: bool  # no floating point
     single: bool  # float, not double
 
     @property
     def magic(self) -> Exact:
-        """Numbers this large are whole."""
+        """Return 1.5 * 2**23 for float, 1.5 * 2**52 for double: adding it rounds to a whole number."""
         return RINT32 if self.single else RINT64
 
 
 def flipped(tape: Tape, a: int, raised: int, processor: Processor) -> int:
-    """a or -a: ``raised`` has the unit 1 in the last place, so its last bit tells odd from even."""
+    """Write a if a whole number is even, else -a.
+
+    Args:
+        tape: the nodes.
+        a: the number.
+        raised: the whole number plus `Processor.magic`, whose last bit is that of the whole number.
+        processor: what is computed with.
+
+    Returns:
+        The node of a or -a.
+    """
     if processor.bits:
         return tape.put(Op.NEGATE_IF_ODD, a, raised)
     sign = _sign(tape, raised, processor)
@@ -98,7 +105,7 @@ def flipped(tape: Tape, a: int, raised: int, processor: Processor) -> int:
 
 
 def _sign(tape: Tape, raised: int, processor: Processor) -> int:
-    """1 or -1. Twice the magic number has the unit 2: rounding to it tells odd from even."""
+    """Write 1 if the whole number is even, else -1. Adding twice the magic number rounds to an even number."""
     if processor.bits:
         return tape.put(Op.NEGATE_IF_ODD, tape.const(ONE), raised)
     magic = tape.const(processor.magic)
@@ -140,16 +147,16 @@ def _vector_at(tape: Tape, p: Processor) -> list[int]:
 
 
 def _halves(tape: Tape, x: int, p: Processor) -> tuple[int, int, int]:
-    """(raised, sin r, cos r) of `_rest`: sin x and cos x where k is even, else these are -sin r and -cos r."""
+    """Write (raised, sin r, cos r) of `_rest`: sin x and cos x if k is even, otherwise their negatives."""
     raised, r = _rest(tape, x, p)
     return raised, tape.call("sine", r), tape.horner(tape.mul(r, r), COS)
 
 
 def _quarters(tape: Tape, x: int) -> tuple[int, int, int]:
-    """As `_halves`, fused, with cos r as sin(pi/2 - abs r): no coefficients but those of sines.
+    """Write `_halves` with fused multiply-adds, and cos r as sin(pi/2 - abs r): only coefficients of sines.
 
-    ``raised`` has the unit 2 in the last place: 2 k plus a multiple of 4. What pi/2 is rounded by, 0.73 * 2**-24,
-    is not subtracted: the worst error stays where cosines are near 1.
+    ``raised`` is 2 k plus a multiple of 4, and its last place is 2. The rounding of pi/2, 0.73 * 2**-24, is not
+    subtracted, because the largest error remains where cosines are near 1.
     """
     raised, quarters = _turns(tape, x, PER_QUARTER, EVEN32)
     r = _fused_rest(tape, x, quarters, QUARTER, LESS_QUARTER_LOW)
@@ -158,7 +165,7 @@ def _quarters(tape: Tape, x: int) -> tuple[int, int, int]:
 
 
 def _rest(tape: Tape, x: int, p: Processor) -> tuple[int, int]:
-    """(raised, r): x = r + k pi, k = rint(x / pi); the last bit of ``raised`` is that of k."""
+    """Write (raised, r) with x = r + k pi, k = rint(x / pi); the last bit of ``raised`` is that of k."""
     raised, k = _turns(tape, x, PER_PI, RINT32)
     if p.fused:
         return raised, _fused_rest(tape, x, k, HALF, LESS_HALF_LOW)
@@ -167,13 +174,13 @@ def _rest(tape: Tape, x: int, p: Processor) -> tuple[int, int]:
 
 
 def _turns(tape: Tape, x: int, per: Exact, large: Exact) -> tuple[int, int]:
-    """``per`` x rounded to a multiple of the unit of ``large``, with and without that added."""
+    """Write ``per`` x rounded to a multiple of the last place of ``large``, with and without ``large`` added."""
     raised = tape.add(tape.mul(x, tape.const(per)), tape.const(large))
     return raised, tape.sub(raised, tape.const(large))
 
 
 def _fused_rest(tape: Tape, x: int, k: int, high: Exact, less: Exact) -> int:
-    """x - k (high - less). Fused here, not by `fuse`, which may leave it: the products must not be rounded."""
+    """Write x - k (high - less) with fused multiply-adds: these products must never be rounded."""
     r = tape.put(Op.FMA, tape.put(Op.NEG, k), tape.const(high), x)
     return tape.put(Op.FMA, k, tape.const(less), r)
 
@@ -192,7 +199,7 @@ def _arctangent2(tape: Tape, p: Processor) -> list[int]:
 
 
 _Write = Callable[[Tape, Processor], list[int]]
-# Those that are called stand before those that call.
+# Kernels come after the kernels that they call. Name -> (text, outputs, how it is written).
 _KERNELS: dict[str, tuple[str, tuple[str, ...], _Write]] = {
     "sine": ("sin r, |r| <= pi/2.", ("value",), _sine),
     "direction": ("(cos angle, sin angle).", VECTOR, _direction),
@@ -203,7 +210,7 @@ _KERNELS: dict[str, tuple[str, tuple[str, ...], _Write]] = {
 
 
 def library(processor: Processor) -> tuple[Function, ...]:
-    """The float kernels as functions of their own, those that are called before those that call."""
+    """Return the float kernels as functions, each after those that it calls."""
     return tuple(_function(name, processor) for name in _KERNELS)
 
 
@@ -219,11 +226,11 @@ def _function(name: str, processor: Processor) -> Function:
 
 
 def port(name: str) -> Port:
-    """An input or output of a kernel."""
+    """Return an input or output of a kernel."""
     return Port(name, Role.STATE, "", "")
 
 
 def soft(function: Function) -> Function:
-    """``function`` in the arithmetic of a processor without floating point."""
+    """Return ``function`` in the arithmetic of a processor without floating point."""
     nodes = (Node(SOFT[n.op], n.args) if n.op in SOFT else n for n in function.nodes)
     return replace(function, nodes=tuple(nodes))

@@ -1,7 +1,7 @@
-"""What analyses hand to the rules of an operation, and what these give back.
+"""What the two analyses of errors ask of an operation, and what its record answers.
 
-Two analyses ask: `wmrgen.ir.selftest`, at many points at once (`Bounded`); `wmrgen.ir.bounds`, over boxes of inputs
-(`Value`).
+`wmrgen.ir.selftest` follows many points at once: each operation has a rule ``running`` that returns `Bounded`.
+`wmrgen.ir.bounds` follows boxes of inputs: each operation has a rule ``lemma`` that returns `Value`.
 """
 
 from __future__ import annotations
@@ -20,18 +20,26 @@ from wmrgen.geometry.exact.number import Exact
 
 
 class Bounded(NamedTuple):
-    """``value`` per point; ``error``: two rows, of code in the target's arithmetic and of ``value`` itself.
+    """The values of one node at many points, with bounds of their errors."""
 
-    ``outcome``: for choices, +1 and -1 where the outcome is sure, else 0, in the rows of ``error``.
-    """
-
-    value: Array
+    value: Array  # float64, per point
+    # Two rows: how far code in the target's arithmetic may be from ``value``, and ``value`` from the exact formula.
     error: Array
+    # For choices, in the rows of ``error``: +1 or -1 if the outcome is certain, 0 if rounding may change it.
     outcome: Array | None = None
 
 
 def rounded(value: Array, error: Array, unit: Array) -> Bounded:
-    """One rounding on top of ``error``; none where exact operands give a number that every type holds."""
+    """Add one rounding to ``error``, except where the operands are exact and the result is a float32.
+
+    Args:
+        value: results, per point.
+        error: the errors that the operands cause, in the two rows of `Bounded.error`.
+        unit: rounding units, in the same rows.
+
+    Returns:
+        The value with its complete error.
+    """
     exact = (error == 0) & (value.astype(np.float32) == value)
     return Bounded(value, np.where(exact, 0.0, error + unit * (np.abs(value) + error)))
 
@@ -40,101 +48,82 @@ def rounded(value: Array, error: Array, unit: Array) -> Bounded:
 
 
 class Partial(NamedTuple):
-    """The derivative of a node in its argument ``arg``: within ``by``; 1 or -1 of sums.
+    """The derivative of a node in one of its arguments."""
 
-    ``like``: it is ``times`` node ``like``. ``steep``: it is at most this over the length of node ``length``.
-    """
-
-    arg: int
-    by: Interval | int
+    arg: int  # the argument
+    by: Interval | int  # range of the derivative; 1 or -1 for the terms of a sum
+    # If given, the derivative is ``times`` the value of node ``like``.
     like: int | None = None
     times: float = 1.0
+    # If given, the derivative is at most ``steep`` / h, where h is the length by which node ``length`` divides.
     length: int | None = None
     steep: Array | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Noise:
-    """The rounding of a node: at most ``size`` plus, by length, ``over`` / h.
-
-    ``divisions``: see `wmrgen.ir.bounds.walk.Errors`.
-    """
+    """A bound of the rounding error of a node: size + sum of per_length[j] / h_j."""
 
     size: Array
-    over: Mapping[int, Array] = field(default_factory=dict)
-    divisions: frozenset[int] = frozenset()
+    per_length: Mapping[int, Array] = field(default_factory=dict)  # by the node that divides by h_j
+    divisions: frozenset[int] = frozenset()  # see `wmrgen.ir.bounds.walk.Errors`
 
 
 class Value(NamedTuple):
-    """What a lemma says of a result, for arguments anywhere in their ranges.
+    """What a lemma says of the result of an operation, for arguments anywhere in their ranges."""
 
-    ``range``: where the exact result lies; ``partials``: how much it moves with each argument; ``noise``: how far the
-    float result is from the exact one of the same arguments; ``away``: a lower bound of its absolute value.
-    ``widen``: whether the noise is a rounding that ``range`` does not hold yet. ``decided``: how far the exact argument
-    may be from that by which the float program decides.
-    """
-
-    range: Interval
-    partials: tuple[Partial, ...] = ()
-    noise: Noise | None = None
-    away: Array | None = None
-    widen: bool = True
+    range: Interval  # of the exact result
+    partials: tuple[Partial, ...] = ()  # derivatives in the arguments that matter
+    noise: Noise | None = None  # how far the float result is from the exact result of the same arguments
+    away: Array | None = None  # a lower bound of the absolute value: the distance away from zero
+    widen: bool = True  # whether ``range`` must be widened by the noise
+    # How far the exact argument may be from the one by which the float program decides.
     decided: Array | float = 0.0
 
 
 class Walk(Protocol):
-    """What lemmas ask of a walk over boxes (`wmrgen.ir.bounds.walk.Walk`), of node ``i`` and those before it.
-
-    ``behind``: the lengths by which each node, or what it depends on, is divided. ``share(j, i)``: s where |node i| is
-    at most s times the length of ``j``. ``effective``: how far nodes count.
-    """
+    """The part of `wmrgen.ir.bounds.walk.Walk` that lemmas use. All lists are by node, up to the one in progress."""
 
     @property
     def nodes(self) -> Sequence[Any]: ...
     @property
-    def inputs(self) -> Mapping[str, Interval]: ...
+    def inputs(self) -> Mapping[str, Interval]: ...  # by name
     @property
-    def boxes(self) -> int: ...
+    def boxes(self) -> int: ...  # how many
     @property
-    def form(self) -> Any: ...
+    def form(self) -> Any: ...  # the floating-point format
     @property
-    def library(self) -> Any: ...
+    def library(self) -> Any: ...  # errors of sines and arctangents
     @property
     def ranges(self) -> Sequence[Interval]: ...
     @property
-    def away(self) -> Sequence[Array]: ...
+    def away(self) -> Sequence[Array]: ...  # lower bounds of absolute values
     @property
-    def noisy(self) -> Sequence[bool]: ...
+    def noisy(self) -> Sequence[bool]: ...  # whether the node, or one on which it depends, has noise
     @property
-    def lengths(self) -> Collection[int]: ...
-    @property
-    def behind(self) -> Sequence[frozenset[int]]: ...
-    @property
-    def effective(self) -> Mapping[int, tuple[float, float]]: ...
+    def lengths(self) -> Collection[int]: ...  # the nodes that divide by the length of a vector
 
     def alarm(self, i: int, what: str, where: Any) -> None: ...
     def rounded(self, value: Interval, i: int) -> Noise: ...
     def library_noise(self, op: Any, value: Interval) -> Noise: ...
     def errors(self, roots: Sequence[int]) -> Any: ...
     def constant(self, value: Exact) -> tuple[float, float, float, bool]: ...
-    def decided(self, k: int) -> Array: ...
-    def cancelled(self, a: int, b: int, sign: int, value: Interval) -> Interval: ...
-    def near_zero(self, i: int, divisor: int) -> None: ...
-    def vanishes(self, i: int, divisor: int) -> bool: ...
-    def counting(self, k: int) -> Interval: ...
-    def quotient_by_length(self, i: int, a: int, b: int) -> Value: ...
-    def direction(self, i: int) -> Array: ...
-    def measured(self, j: int) -> Any: ...
-    def share(self, j: int, i: int) -> float | None: ...
-    def root_of_squares(self, i: int, a: int) -> Value | None: ...
+    def decision_error(self, k: int) -> Array: ...
+    def range_of_sum(self, a: int, b: int, sign: int, value: Interval) -> Interval: ...
+    def effective_range(self, k: int) -> Interval: ...
     def branch(self, small: int, large: int, value: int) -> tuple[Array, Array, Array]: ...
+    def note_near_zero(self, i: int, divisor: int) -> None: ...
+    def length_may_vanish(self, i: int, divisor: int) -> bool: ...
+    def direction_slope(self, i: int) -> Array: ...
+    def quotient_by_length(self, i: int, a: int, b: int) -> Value: ...
+    def root_of_squares(self, i: int, a: int) -> Value | None: ...
 
 
-# ---- what follows from intervals and derivatives
+# ---- rules made from an operation's interval and slopes
 
 
 def by_slopes(op: Any) -> Callable[..., Value]:
-    """The lemma of an operation that is smooth enough: derivatives in intervals, one rounding."""
+    """Return the lemma of a differentiable operation: its derivatives as intervals, and one rounding."""
 
     def lemma(w: Walk, i: int, *args: int) -> Value:
         ranges = [w.ranges[k] for k in args]
@@ -147,7 +136,7 @@ def by_slopes(op: Any) -> Callable[..., Value]:
 
 
 def from_slopes(op: Any) -> Callable[..., Bounded]:
-    """The running error of such an operation, by the mean value theorem."""
+    """Return the running error of a differentiable operation, by the mean value theorem."""
 
     def running(unit: Array, *args: Bounded) -> Bounded:
         value = op.many(*(a.value for a in args))

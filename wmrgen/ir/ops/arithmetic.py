@@ -1,4 +1,4 @@
-"""Constants, inputs, sums, products and their like; calls of kernels."""
+"""Constants, inputs, sums, products, and calls of kernels."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from wmrgen.ir.rounding import nearest_float32, to_float64
 
 
 def _constant(w: Walk, i: int) -> Value:
-    """A constant is off by its own rounding."""
+    """Bound a constant; its error is its own rounding."""
     lo, hi, error, _ = w.constant(w.nodes[i].value)
     value = np.full(w.boxes, lo), np.full(w.boxes, hi)
     return Value(value, noise=Noise(np.full(w.boxes, error)) if error else None)
@@ -37,12 +37,12 @@ Op.RESULT = Op("result", 1)
 
 
 def _sum(w: Walk, i: int, a: int, b: int, roundings: float = 1.0) -> Value:
-    """d(a + b) = da + db, one rounding, two where what b lost is added, too; terms that both have count together.
+    """Bound a + b: d(a + b) = da + db, and one rounding, or two in a compensated sum. Common terms cancel.
 
-    What is added to a size is no smaller for it: of two terms that are not negative the rounding is relative.
+    If both terms are non-negative, the rounded sum is no smaller than the larger of them, up to its relative rounding.
     """
     x, y = w.ranges[a][0], w.ranges[b][0]
-    value = w.cancelled(a, b, 1, iv.plus(w.ranges[a], w.ranges[b]))
+    value = w.range_of_sum(a, b, 1, iv.plus(w.ranges[a], w.ranges[b]))
     noise = Noise(w.rounded(value, i).size * roundings)
     low, high = iv.widened(value, noise.size)
     least = np.maximum(low, np.maximum(x, y) * (1 - w.form.unit))
@@ -51,7 +51,8 @@ def _sum(w: Walk, i: int, a: int, b: int, roundings: float = 1.0) -> Value:
 
 
 def _difference(w: Walk, i: int, a: int, b: int) -> Value:
-    value = w.cancelled(a, b, -1, iv.minus(w.ranges[a], w.ranges[b]))
+    """Bound a - b: d(a - b) = da - db, and one rounding. Common terms cancel."""
+    value = w.range_of_sum(a, b, -1, iv.minus(w.ranges[a], w.ranges[b]))
     return Value(value, (Partial(a, 1), Partial(b, -1)), w.rounded(value, i))
 
 
@@ -76,22 +77,26 @@ Op.COMPENSATED = Op(
 
 
 def _two_sum(a: float, b: float, rounded_to: Callable[[float], float] = float) -> float:
-    """a + b less the float that it is rounded to (Knuth's TwoSum, H 4.3)."""
+    """Return the error of the rounding of a + b (Knuth's TwoSum, Higham 4.3)."""
     total = rounded_to(a + b)
     second = rounded_to(total - a)
     return rounded_to(rounded_to(a - rounded_to(total - second)) + rounded_to(b - second))
 
 
 def _error_within(a: Interval, b: Interval) -> Interval:
-    """What floats of any type may lose of their sum."""
+    """Return the range of the rounding error of a sum, for floats of any type."""
     most = iv.magnitude(iv.plus(a, b)) * 2.0**-23
     return -most, most
 
 
 def _error_of_sum(w: Walk, i: int, a: int, b: int) -> Value:
-    """Zero, for exact numbers; of floats at most what a rounding of their sum loses."""
+    """Bound what a sum of floats loses when it is rounded; for exact numbers that is 0.
+
+    Its size follows from the size of the sum, wherever limits of the result are (so not by `Walk.rounded`).
+    """
     zero = np.zeros(w.boxes)
-    return Value((zero, zero), noise=w.rounded(iv.plus(w.ranges[a], w.ranges[b]), i))
+    lost = w.form.half_ulp(iv.magnitude(iv.plus(w.ranges[a], w.ranges[b])))
+    return Value((zero, zero), noise=Noise(lost))
 
 
 def _error_of_sums(unit: Array, a: Bounded, b: Bounded) -> Bounded:
@@ -99,7 +104,7 @@ def _error_of_sums(unit: Array, a: Bounded, b: Bounded) -> Bounded:
     return Bounded(np.zeros_like(a.value + b.value), unit * size)
 
 
-# A pass that took it for the zero that it is would leave nothing of it: to checks it is any function of a and b.
+# For exact numbers it is zero, but a pass must not replace it by zero. So checks take it as an arbitrary function.
 Op.ROUNDING_ERROR = Op(
     "rounding_error", 2, lambda a, b: a - a, _two_sum, lambda a, b: _two_sum(a, b, nearest_float32),
     many=lambda a, b: (a - ((a + b) - ((a + b) - a))) + (b - ((a + b) - a)), opaque=True, rounds=True, cost="additions",
@@ -121,9 +126,9 @@ Op.NEG = Op(
 
 
 def _product(w: Walk, i: int, a: int, b: int) -> Value:
-    """d(a b) = b da + a db."""
+    """Bound a b: d(a b) = b da + a db."""
     x, y = w.ranges[a], w.ranges[b]
-    partials = Partial(a, w.counting(b), like=b), Partial(b, w.counting(a), like=a)
+    partials = Partial(a, w.effective_range(b), like=b), Partial(b, w.effective_range(a), like=a)
     return _multiplied(w, i, a, b, iv.times(x, y), partials)
 
 
@@ -133,14 +138,14 @@ def _square(w: Walk, i: int, a: int) -> Value:
 
 
 def _multiplied(w: Walk, i: int, a: int, b: int, value: Interval, partials: tuple[Partial, ...]) -> Value:
-    """One rounding; none where one factor is a power of two."""
+    """Bound a product; it has one rounding, or none if a factor is a power of two."""
     exact = _exact_factor(w, a) or _exact_factor(w, b)
     size = np.zeros(w.boxes) if exact else w.rounded(value, i).size
     return Value(value, partials, Noise(size + w.form.tiny), w.away[a] * w.away[b] * (1 - 1e-15))
 
 
 def _exact_factor(w: Walk, k: int) -> bool:
-    """Whether products with node ``k`` are exact: a power of two, a whole number of at most two."""
+    """Return whether products with node ``k`` are exact: it is a power of two, or a whole number up to two."""
     node = w.nodes[k]
     if node.op is Op.WITH_SIGN_OF:
         return _exact_factor(w, node.args[0])
@@ -184,7 +189,7 @@ def _fused64(a: float, b: float, c: float) -> float:
 
 
 def _fused32(a: float, b: float, c: float) -> float:
-    """The product of two float32 is a double; the sum is rounded to odd, so the second rounding is the only one."""
+    """Return a b + c, rounded once: the product of two float32 is a float64, and the sum is rounded to odd first."""
     product = a * b
     total = product + c
     if not isfinite(total):

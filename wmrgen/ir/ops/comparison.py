@@ -1,4 +1,4 @@
-"""Sizes, comparisons and choices."""
+"""Absolute values, comparisons and choices."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ Op.ABS = Op(
 
 
 def _smaller(w: Walk, i: int, a: int, b: int) -> Value:
-    """The smaller moves with one of the two, and no further than it."""
+    """Bound min(a, b): it changes as one of the two arguments does."""
     x, y = w.ranges[a], w.ranges[b]
     away = np.minimum(w.away[a], w.away[b])
     return _one_of_two(w, iv.smaller(x, y), away, {a: _derivative(x, y), b: _derivative(y, x)})
@@ -49,7 +49,7 @@ def _larger(w: Walk, i: int, a: int, b: int) -> Value:
 
 
 def _less(a: Bounded, b: Bounded) -> Array:
-    """+1 where a < b for sure, -1 where a >= b for sure, 0 where rounding decides or code may read the sign of a 0."""
+    """Return +1 if a < b and -1 if a >= b is certain, 0 if rounding decides or code may read the sign of a zero."""
     gap, slack = b.value - a.value, a.error + b.error
     zeros = (gap == 0) & (np.signbit(a.value) != np.signbit(b.value))
     sure = (np.abs(gap) > slack) | ((slack == 0) & ~zeros)
@@ -62,7 +62,7 @@ def _extreme_error(a: Bounded, b: Bounded, value: Array) -> Bounded:
 
 Op.MIN = Op(
     "min", 2, lambda a, b: a if a < b else b, many=np.minimum, commutative=True, cost="comparisons",
-    # fminf would be a library call on most targets, and leaves the sign of zero open.
+    # fminf is a library call on most targets, and does not define the sign of zero.
     c=Conditional("({0} < {1}) ? {0} : {1}"), rust=Conditional("if {0} < {1} {{ {0} }} else {{ {1} }}"),
     arrays="_minimum(xp, {0}, {1})", casadi="OP_FMIN",
     interval=iv.smaller, lemma=_smaller,
@@ -81,7 +81,7 @@ Op.MAX = Op(
 
 
 def _choice(w: Walk, i: int, a: int, b: int, x: int, y: int) -> Value:
-    """One value or the other, as the float program decides; on either side the comparison is known to hold."""
+    """Bound a choice, which the float program decides; within each branch its comparison is known to hold."""
     small, large = w.ranges[a], w.ranges[b]
     first, second = w.branch(a, b, x), w.branch(b, a, y)
     always, never = small[1] < large[0], small[0] > large[1]
@@ -96,19 +96,21 @@ def _choice(w: Walk, i: int, a: int, b: int, x: int, y: int) -> Value:
 
 
 def _one_of_two(w: Walk, value: Interval, away: Array, slopes: Mapping[int, Interval]) -> Value:
-    """One of two values is off by no more than the one that is off more. ``slopes``: derivatives, by value."""
+    """Bound one of two values: its error is at most the larger of the two. ``slopes`` has the derivatives, by value."""
     counting = [k for k, (_, most) in slopes.items() if np.any(most) and w.noisy[k]]
     if len(counting) < 2:
         return Value(value, tuple(Partial(k, slopes[k]) for k in counting), away=away)
     errors = w.errors(counting)
     steepest = np.array([slopes[k][1] for k in counting])
-    over = {j: (o * steepest).max(axis=0) for j, o in errors.over.items()}
-    noise = Noise((errors.plain * steepest).max(axis=0), over, frozenset[int]().union(*errors.divisions))
+    per_length = {j: (bound * steepest).max(axis=0) for j, bound in errors.per_length.items()}
+    noise = Noise(
+        (errors.plain * steepest).max(axis=0), per_length, frozenset[int]().union(*errors.divisions)
+    )
     return Value(value, (), noise, away, widen=False)
 
 
 def _derivative(small: Interval, large: Interval) -> Interval:
-    """The derivative in what is chosen where small < large."""
+    """Return the derivative in the value that is chosen if small < large."""
     always, never = small[1] < large[0], small[0] > large[1]
     return np.where(always, 1.0, 0.0), np.where(never, 0.0, 1.0)
 
@@ -149,11 +151,14 @@ def _clamped(a: float, m: float) -> float:
 
 
 def _clamped_range(x: Interval, m: Interval) -> Interval:
-    return np.clip(x[0], -m[1], m[1]), np.clip(x[1], -m[1], m[1])
+    """Return the range of clamp(x, m), which grows with x and whose absolute value grows with m."""
+    low = np.where(x[0] > 0, np.minimum(x[0], m[0]), np.maximum(x[0], -m[1]))
+    high = np.where(x[1] > 0, np.minimum(x[1], m[1]), np.maximum(x[1], -m[0]))
+    return low, high
 
 
 def _clamp(w: Walk, i: int, a: int, m: int) -> Value:
-    """clamp(a, m) moves with one of the two, and no further than it."""
+    """Bound clamp(a, m): it changes as one of the two arguments does."""
     x, limit = w.ranges[a], w.ranges[m]
     inside, outside = _derivative(iv.absolute(x), limit), _derivative(limit, iv.absolute(x))
     away = np.minimum(w.away[a], limit[0])
@@ -178,7 +183,7 @@ Op.CLAMP = Op(
 
 
 def _with_sign(w: Walk, i: int, a: int, b: int) -> Value:
-    """a or -a, decided as the float program decides it."""
+    """Bound a or -a; the float program decides."""
     x, sign = w.ranges[a], w.ranges[b]
     steep = np.where(sign[0] > 0, 1.0, -1.0), np.where(sign[1] < 0, -1.0, 1.0)
     return Value(iv.times(x, steep), (Partial(a, steep),), away=w.away[a])
@@ -205,13 +210,13 @@ Op.WITH_SIGN_OF = Op(
 
 
 def _at_least_range(x: Interval, m: Interval) -> Interval:
-    """It grows with x, and jumps from -m to m at 0."""
+    """Return the range of at_least(x, m), which grows with x and jumps from -m to m at 0."""
     lo = np.where(x[0] > m[1], x[0], -np.maximum(-x[0], m[1]))
     return lo, np.where(x[1] < -m[1], x[1], np.maximum(x[1], m[1]))
 
 
 def _at_least(w: Walk, i: int, a: int, m: int) -> Value:
-    """at_least(a, m) moves with one of the two, and no further than it; the float program decides the sign."""
+    """Bound at_least(a, m): it changes as one of the two arguments does; the float program decides the sign."""
     x, least = w.ranges[a], w.ranges[m]
     lo = np.where(x[0] > least[1], x[0], np.where(x[0] > 0, least[0], np.minimum(x[0], -least[1])))
     hi = np.where(x[1] < -least[1], x[1], np.where(x[1] < 0, -least[0], np.maximum(x[1], least[1])))

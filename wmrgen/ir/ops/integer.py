@@ -1,8 +1,8 @@
-"""Sine, cosine and arctangent in 32-bit integers, for processors without floating point: as templates/c99/integer.c.j2.
+"""Sine, cosine and arctangent in 32-bit integers, for processors without floating point.
 
-Products, quotients and roots come out of the same integers, rounded as IEEE 754 says: they have no model of their own.
-
-An angle becomes a phase, 2**32 to the turn, whose overflow is the reduction. Products of 16 bits each, no division.
+They compute as templates/c99/integer.c.j2 does. An angle becomes a phase of 2**32 per turn, whose overflow removes
+whole turns. Products are of 16 bits each, and there is no division. Products, quotients and roots in integers are
+rounded as IEEE 754 says, so that they need no model here.
 """
 
 from __future__ import annotations
@@ -11,23 +11,24 @@ import struct
 
 from wmrgen.ir.rounding import nearest_float32
 
-TURN = 2734261102  # 2**34 / (2 pi)
+TURN = 2734261102  # 2**34 / (2 pi): units of phase per radian, times 4
 # sin(pi/2 u) = u (c1 - c3 s + ...), s = u**2 <= 1, in units of 2**-31
 SINE = (3373259347, 1387195753, 171129709, 10033533, 323885)
 # atan(u) = u (c1 - c3 s + ...), in units of 2**-32
 ATAN = (4294967255, 1431649546, 858789081, 610957725, 460575697, 329656701, 191693515, 73899308, 13397159)
 _ALL, _TOP, _QUARTER = 2**32 - 1, 2**31, 2**30
-# By the exponent, 127 from 1 to 2: the function of a small argument, angles to cut, no number.
+# Biased exponents of float32 (127 for numbers from 1 to 2). Below the first three, sin x and atan x round to x, and
+# cos x to 1. Exponents above LARGE (angles from 2**15 rad) are taken as LARGE. NAN is that of infinities and NaN.
 SINE_IS_X, ATAN_IS_X, COSINE_IS_1, LARGE, NAN = 118, 117, 114, 141, 255
 
 
 def high(a: int, b: int) -> int:
-    """The upper half of a product of two words, up to 2 too small."""
+    """Return the upper half of a product of two 32-bit words; it may be too small by up to 2."""
     return (a >> 16) * (b >> 16) + ((a >> 16) * (b & 65535) >> 16) + ((a & 65535) * (b >> 16) >> 16)
 
 
 def _split(x: float) -> tuple[bool, int, int]:
-    """Sign, exponent and mantissa of a float32."""
+    """Return sign, biased exponent and mantissa of a float32."""
     bits = struct.unpack("<I", struct.pack("<f", x))[0]
     return bool(bits >> 31), bits >> 23 & 255, bits & 0x7FFFFF | 0x800000
 
@@ -58,7 +59,7 @@ def _of_phase(phase: int) -> float:
 
 
 def sine(x: float) -> float:
-    """sin x of a float32."""
+    """Return sin x of a float32."""
     exponent = _split(x)[1]
     if exponent < SINE_IS_X or exponent == NAN:
         return x if exponent != NAN else x - x
@@ -66,7 +67,7 @@ def sine(x: float) -> float:
 
 
 def cosine(x: float) -> float:
-    """cos x of a float32."""
+    """Return cos x of a float32."""
     exponent = _split(x)[1]
     if exponent < COSINE_IS_1 or exponent == NAN:
         return 1.0 if exponent != NAN else x - x
@@ -74,7 +75,7 @@ def cosine(x: float) -> float:
 
 
 def arctangent(q: float) -> float:
-    """atan q of a float32, |q| <= 1."""
+    """Return atan q of a float32, |q| <= 1."""
     negative, exponent, mantissa = _split(q)
     if exponent < ATAN_IS_X or exponent == NAN:
         return q if exponent != NAN else q - q

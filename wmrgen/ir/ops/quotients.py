@@ -16,14 +16,14 @@ from wmrgen.geometry.exact.number import Exact, exact_sqrt
 from wmrgen.ir.ops.analysis import Bounded, Noise, Partial, Value, Walk, rounded
 from wmrgen.ir.ops.record import Op
 
-DIGITS = 60  # of exact numbers that are not in the field
+DIGITS = 60  # decimal digits of exact numbers that are not in the field: far more than any float has
 
 
 # ---- quotients
 
 
 def _divided(a: float, b: float) -> float:
-    """As IEEE 754: a quotient by zero is an infinity or NaN."""
+    """Return a / b as IEEE 754 does: a quotient by zero is an infinity or NaN."""
     if b:
         return a / b
     if not a or a != a or b != b:
@@ -32,13 +32,13 @@ def _divided(a: float, b: float) -> float:
 
 
 def _quotient(w: Walk, i: int, a: int, b: int) -> Value:
-    """d(a / b) = (da - (a / b) db) / b, one rounding; by the length of a vector where that may vanish."""
-    if i in w.lengths and w.vanishes(i, b):
+    """Bound a / b: d(a / b) = (da - (a / b) db) / b, and one rounding; lengths that may vanish have their own bound."""
+    if i in w.lengths and w.length_may_vanish(i, b):
         return w.quotient_by_length(i, a, b)
     away, below = w.away[b], w.ranges[b]
     holds = (below[0] <= 0) & (below[1] >= 0)
     w.alarm(i, "the divisor may be zero", holds & (away <= 0))
-    w.near_zero(i, b)
+    w.note_near_zero(i, b)
     inverse, most = iv.reciprocal(below), np.nextafter(1.0 / away, np.inf)
     inverse = np.where(holds, -most, inverse[0]), np.where(holds, most, inverse[1])
     value = iv.times(w.ranges[a], inverse)
@@ -67,7 +67,7 @@ Op.IDIV = Op(
 
 
 def _exact_root(a: Exact) -> Exact:
-    """The root, good to 60 digits where it leaves the field."""
+    """Return the square root; to 60 digits if it is not in the field."""
     root = exact_sqrt(a)
     if root is not None:
         return root
@@ -79,7 +79,7 @@ def _exact_root(a: Exact) -> Exact:
 
 
 def _root(w: Walk, i: int, a: int) -> Value:
-    """d sqrt a = da / (2 sqrt a), one rounding; the root of a sum of squares is the length of a vector."""
+    """Bound sqrt a: d sqrt a = da / (2 sqrt a), and one rounding; a root of squares is bounded as a length."""
     length = w.root_of_squares(i, a)
     if length is not None:
         return length
@@ -98,7 +98,7 @@ def _root_error(unit: Array, a: Bounded) -> Bounded:
 
 
 def _casadi_root(ca: Any, x: Any) -> Any:
-    """sqrt(x) for x >= 0, with derivative 0 at 0."""
+    """Return sqrt(x) for x >= 0, with derivative 0 at 0."""
     positive = ca.SX.binary(ca.OP_LT, ca.SX(0.0), x)
     safe = ca.SX.binary(ca.OP_ADD, x, ca.SX.unary(ca.OP_NOT, positive))
     return ca.SX.binary(ca.OP_MUL, ca.SX.unary(ca.OP_SQRT, safe), positive)

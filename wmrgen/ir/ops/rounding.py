@@ -1,4 +1,4 @@
-"""Whole numbers: rounding to them, and signs by their parity."""
+"""Rounding to whole numbers, and signs that depend on whether a whole number is odd."""
 
 from __future__ import annotations
 
@@ -18,10 +18,11 @@ from wmrgen.ir.ops.record import Conditional, Op
 
 
 def _nearest(w: Walk, i: int, a: int) -> Value:
-    """A whole number, decided as the float program decides it."""
+    """Bound the nearest whole number; the float program decides which one it is."""
     x = w.ranges[a]
+    # Adding 1.5 * 2**(bits - 1) rounds correctly up to this size.
     w.alarm(i, "too large to be rounded to a whole number", iv.magnitude(x) > 2.0 ** (w.form.bits - 2))
-    return Value(iv.whole(x), decided=w.decided(a))
+    return Value(iv.whole(x), decided=w.decision_error(a))
 
 
 def _nearest_error(unit: Array, a: Bounded) -> Bounded:
@@ -31,7 +32,7 @@ def _nearest_error(unit: Array, a: Bounded) -> Bounded:
 
 
 def _casadi_nearest(ca: Any, x: Any) -> Any:
-    """The nearest whole number; ties to the larger, where the IR has them to even. Derivative 0."""
+    """Return the nearest whole number, with derivative 0. Ties go to the larger one; the IR has ties to even."""
     return ca.SX.unary(ca.OP_FLOOR, ca.SX.binary(ca.OP_ADD, x, ca.SX(0.5)))
 
 
@@ -48,7 +49,7 @@ Op.RINT = Op(
 
 
 def _flip(w: Walk, i: int, a: int, n: int) -> Value:
-    """a or -a, decided by the whole number n."""
+    """Bound a or -a; the whole number n decides."""
     one = np.ones(w.boxes)
     return Value(iv.either_sign(w.ranges[a], w.ranges[n]), (Partial(a, (-one, one)),), away=w.away[a])
 
@@ -59,7 +60,7 @@ def _flip_error(unit: Array, a: Bounded, n: Bounded) -> Bounded:
 
 
 def _casadi_flip(ca: Any, a: Any, n: Any) -> Any:
-    """a, or -a where n is odd: a (1 - 2 |n - 2 floor(n/2 + 1/2)|)."""
+    """Return a, or -a if n is odd: a (1 - 2 |n - 2 floor(n/2 + 1/2)|)."""
     binary = ca.SX.binary
     half = binary(ca.OP_ADD, binary(ca.OP_MUL, n, ca.SX(0.5)), ca.SX(0.5))
     even = binary(ca.OP_MUL, ca.SX(2.0), ca.SX.unary(ca.OP_FLOOR, half))

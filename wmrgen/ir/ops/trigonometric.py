@@ -15,19 +15,19 @@ from wmrgen.ir.ops import integer
 from wmrgen.ir.ops.analysis import Bounded, Noise, Partial, Value, Walk
 from wmrgen.ir.ops.record import Op
 
-# Of the tables of self-tests: what code may be off, more than our kernels and any libm in use need.
-CIRCLE = 4.0  # units of rounding, of sines and cosines
-LIBRARY = 6.0  # ulp, of arctangents
-_BITS = 240  # working precision of exact functions: 60 digits and a margin
+# Errors that self-tests allow, larger than those of our kernels and of any libm in use.
+CIRCLE = 4.0  # sines and cosines [rounding units]
+LIBRARY = 6.0  # arctangents [ulp]
+_BITS = 240  # working precision of exact functions: 60 decimal digits (200 bits) and a margin
 
 
 def _bits(q: Fraction) -> int:
-    """Bits that hold q to 60 digits and, however large it is, its remainder modulo pi."""
+    """Return how many bits represent q to 60 digits, and its remainder modulo pi as well if q is large."""
     return _BITS + max(0, abs(q.numerator).bit_length() - q.denominator.bit_length())
 
 
 def _exactly(name: str, a: Exact) -> Exact:
-    """A function of mpmath, good to 60 digits; exact of multiples of pi/12, and where it is such a multiple."""
+    """Return a function of mpmath to 60 digits; exact if the argument or the result is a multiple of pi/12."""
     from mpmath import libmp  # a slow import that only exact sines need
 
     from wmrgen.geometry.exact.evaluate import direction_over_pi, over_pi, twelfths
@@ -63,13 +63,13 @@ def _wave(op: Op, value: Interval, steep: Interval, w: Walk, i: int, a: int) -> 
 
 
 def _sine(w: Walk, i: int, a: int) -> Value:
-    """d sin x = cos x dx."""
+    """Bound sin x: d sin x = cos x dx."""
     x = w.ranges[a]
     return _wave(Op.SIN, iv.sine(x), iv.cosine(x), w, i, a)
 
 
 def _cosine(w: Walk, i: int, a: int) -> Value:
-    """d cos x = -sin x dx."""
+    """Bound cos x: d cos x = -sin x dx."""
     x = w.ranges[a]
     return _wave(Op.COS, iv.cosine(x), iv.negative(iv.sine(x)), w, i, a)
 
@@ -104,7 +104,7 @@ Op.ICOS = Op("icos", 1, float32=integer.cosine, many=np.cos, c="wmrgen_cos({0})"
 
 
 def _slope(w: Walk, i: int, a: int) -> Value:
-    """d atan x = dx / (1 + x x)."""
+    """Bound atan x: d atan x = dx / (1 + x x)."""
     x = w.ranges[a]
     if a not in w.lengths:  # the slope of a line is at most 1
         most = w.library.slope
@@ -147,32 +147,32 @@ def _exact_direction(y: Exact, x: Exact) -> Exact:
 
 
 def _direction(w: Walk, i: int, b: int, a: int) -> Value:
-    """The error of a vector of length h turns it by at most that over h."""
-    steep = w.direction(i)
+    """Bound atan2: an error e of a vector of length h turns it by at most about e / h."""
+    steep = w.direction_slope(i)
     y, x = w.ranges[b], w.ranges[a]
     value = iv.arctangent(y, x)
     noise = w.library_noise(Op.ATAN2, value)
-    wraps = (x[0] <= 0) & (w.nodes[a].op is not Op.ABS)  # a zero that is no size may be -0
-    if np.any(wraps):  # a full turn off is no error of the angle, but one of the number
+    wraps = (x[0] <= 0) & (w.nodes[a].op is not Op.ABS)  # a zero that is not an absolute value may be -0
+    if np.any(wraps):  # pi and -pi are the same angle, but not the same number
         value = iv.hull(value, (np.full(w.boxes, -np.pi - 1e-9), np.full(w.boxes, np.pi + 1e-9)))
         noise = Noise(noise.size + 2 * np.pi)
     return Value(value, tuple(Partial(k, value, length=i, steep=steep) for k in (b, a)), noise)
 
 
 def _direction_error(unit: Array, y: Bounded, x: Bounded) -> Bounded:
-    value = np.arctan2(y.value + 0.0, x.value + 0.0)  # the formula knows one zero
+    value = np.arctan2(y.value + 0.0, x.value + 0.0)  # exact zeros have no sign
     radius = np.hypot(x.value, y.value)
     shift = np.hypot(x.error, y.error)
     first = np.abs(x.value) * y.error + np.abs(y.value) * x.error
     error = np.where(shift < radius / 64, 1.05 * first / np.maximum(radius**2, 1e-300), np.pi)
     error = np.where((shift == 0) & (radius == 0), 0.0, error)
-    behind = (x.value - x.error < 0) | np.signbit(x.value)  # a libm counts -0 as negative
+    behind = (x.value - x.error < 0) | np.signbit(x.value)  # a libm treats -0 as negative
     cut = behind & (np.abs(y.value) <= y.error)  # the sign of y decides between +pi and -pi
     return Bounded(value, np.where(cut, 2 * np.pi, error) + 2 * LIBRARY * unit * np.abs(value))
 
 
 def _casadi_direction(ca: Any, y: Any, x: Any) -> Any:
-    """atan2(y, x), 0 with derivative 0 where x*x + y*y is 0 in float64 (both below 1e-162)."""
+    """Return atan2(y, x); 0 with derivative 0 if x*x + y*y is 0 in float64 (both below 1e-162)."""
     binary = ca.SX.binary
     square = binary(ca.OP_ADD, binary(ca.OP_MUL, x, x), binary(ca.OP_MUL, y, y))
     away = binary(ca.OP_LT, ca.SX(0.0), square)

@@ -1,8 +1,9 @@
-"""Where a function is tested: inputs that between them take every branch and come close to what is singular.
+"""Where a function is tested: inputs that together take every branch and come close to singularities.
 
-Standstill, each command alone in both signs, also beside -0, generic ones with their mirror images, declared limits,
-very slow and very fast ones, the centre of rotation beside each pivot and on it, and a pool to find the other branches
-in. Every number is a float32."""
+Standstill; each command alone with both signs, and next to -0; generic commands with their mirror images; declared
+limits; very slow and very fast motions; the centre of rotation near and on each pivot; and a pool of points for the
+remaining branches. Every number is a float32.
+"""
 
 from __future__ import annotations
 
@@ -19,22 +20,34 @@ from wmrgen.ir.nodes import Function, Op, Port, Role, pruned
 from wmrgen.ir.rounding import nearest_float32, to_float64
 
 Array = Any
-Point = tuple[str, Array]  # what it is, one value per port
+Point = tuple[str, Array]  # what the point is, one value per port
 
-BRANCH = "branch"  # a point of the pool: kept where it takes branches that no other takes
-_SIZE = {"m/s": 1.5, "rad/s": 2.0, "rad": 3.0, "m": 2.0, "s": 0.25}
-_GENERIC, _POOL, _ROWS = 6, 320, 64
-_ANGLES = (1.515625, -1.453125, 4.59375, -1.625, 3.0625, -64.40625, 98.9375, 1.40625)  # rad
-_MANY, _ALONE = 10, 8  # of many inputs, not each alone: a row of the table is long then
-_LARGE = 600  # operations: beyond, what takes long to derive has a smaller pool
-_BEYOND = 1 + 2.0**-11
-_STEPS = (2.0**-11, 4.0)  # s
-_FAINT = 2.0**-13
-_ANGLED = (".steer", ".steer_wanted")  # no faster than others: tolerances hold for sines of up to 100 rad
+BRANCH = "branch"  # a point of the pool, kept if it takes branches that no other point takes
+_SIZE = {"m/s": 1.5, "rad/s": 2.0, "rad": 3.0, "m": 2.0, "s": 0.25}  # typical sizes by unit
+_GENERIC, _POOL, _ROWS = 6, 320, 64  # generic points, points of the pool, rows of a grid
+_ANGLES = (
+    1.515625,
+    -1.453125,
+    4.59375,
+    -1.625,
+    3.0625,
+    -64.40625,
+    98.9375,
+    1.40625,
+)  # near quarter turns [rad]
+_MANY, _ALONE = (
+    10,
+    8,
+)  # functions of more than _MANY inputs have long rows; at most _ALONE inputs are tried alone
+_LARGE = 600  # operations: larger functions take long and have a smaller pool
+_BEYOND = 1 + 2.0**-11  # times a limit: just outside [1]
+_STEPS = (2.0**-11, 4.0)  # a very short and a long time step [s]
+_FAINT = 2.0**-13  # times a limit: a small command next to a large one [1]
+_ANGLED = (".steer", ".steer_wanted")  # not scaled up: tolerances hold for sines of up to 100 rad
 
 
 class Grid:
-    """Generic values of some ports: row k, one value per port, multiples of 1/128 of a typical size."""
+    """Generic values of some ports: rows with one value per port, in multiples of 1/128 of a typical size."""
 
     def __init__(self, ports: Sequence[Port], site: Site) -> None:
         sizes = np.array([_size(port, site) for port in ports])
@@ -45,14 +58,20 @@ class Grid:
 
 
 def _size(port: Port, site: Site) -> float:
-    """A typical size: a declared limit's where it is smaller."""
+    """Return a typical size of a port: that of its unit, or its limit if that is smaller."""
     size = 20.0 if port.name.endswith(".spin") else _SIZE.get(port.unit, 1.0)
     low, high = site.limits.get(port.name, (-size, size))
     return min(size, max(abs(low), abs(high)))
 
 
 def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Point]:
-    """The points of ``function``; ``ports`` are the inputs that vary."""
+    """Yield the points at which a function is tested.
+
+    Args:
+        function: the function.
+        ports: its inputs that vary; a point has a value for each.
+        site: limits and pivots of the robot.
+    """
     grid = Grid(ports, site)
     moving = np.array([p.role is Role.COMMAND for p in ports])
     scaled = moving & np.array([p.unit != "s" and not p.name.endswith(_ANGLED) for p in ports])
@@ -75,7 +94,7 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
     for power, text in ((-14, "very slow"), (7, "fast"), (12, "very fast")):
         factor = np.where(scaled, 2.0**power, 1.0)
         yield text, grid.rows[17 + power] * factor
-    free = Grid(ports, NO_SITE)  # limits must not hide what the code does beyond them
+    free = Grid(ports, NO_SITE)  # without limits, because code must be correct beyond them
     stretch = np.array([{"m/s": 8.0, "rad/s": 0.25}.get(p.unit, 1.0) for p in ports])
     for row in (41, 42, 43):
         yield "a long arc", free.rows[row] * np.where(moving, stretch, 1.0)
@@ -95,7 +114,7 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
 
 
 def _all_round(ports: Sequence[Port], free: Grid, moving: Array) -> Iterator[Point]:
-    """Angles about the quarter turns, where sines are at their ends, from the origin, where no place hides them."""
+    """Yield angles near quarter turns, where sines are extreme, at the origin, where no position hides an error."""
     angle = np.array([port.unit == "rad" for port in ports])
     if not angle.any():
         return
@@ -108,7 +127,7 @@ def _all_round(ports: Sequence[Port], free: Grid, moving: Array) -> Iterator[Poi
 
 
 def _scattered(ports: Sequence[Port], count: int) -> Array:
-    """A pool of rows without pattern; declared limits do not bound it, for code must be right beyond them too."""
+    """Return a pool of pseudo-random rows, which exceed declared limits, because code must be correct beyond them."""
     sizes = np.array([_size(port, NO_SITE) for port in ports])
     row, column = np.ogrid[0:count, 0 : len(ports)]
     mixed = (row * 0x9E3779B1 + column * 0x85EBCA6B + 0x27D4EB2F) & 0xFFFFFFFF
@@ -118,7 +137,7 @@ def _scattered(ports: Sequence[Port], count: int) -> Array:
 
 
 def _extremes(ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:
-    """Every input with a declared limit there; at standstill, joints a little beyond theirs."""
+    """Yield a point with every limited input at its limit; and joints just beyond their limits, at standstill."""
     limits = [site.limits.get(p.name) for p in ports]
     if not any(limits):
         return
@@ -148,8 +167,11 @@ def _centres(ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:
 
 
 def _limiting(function: Function, ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:
-    """Of what keeps limits: one command large, both ways, and all of them, each once the largest. Beyond its limits
-    where the function takes such, in very short steps and long ones where it goes from one value towards another."""
+    """Yield large commands for functions that enforce limits: one command alone, and all with each once the largest.
+
+    They exceed the limits if the function accepts that. Functions that go from one value towards another get very short
+    and long time steps.
+    """
     steps = any(p.name.endswith(("_last", "_wanted")) for p in ports)
     asked = function.limits is Limits.ASKED
     if not (steps or asked):
@@ -177,21 +199,28 @@ def _limiting(function: Function, ports: Sequence[Port], site: Site, grid: Grid)
         yield "large commands", np.where(timed, grid.rows[k], np.where(driven, _single(large), 0.0))
 
 
-# ---- beside walls
+# ---- near thresholds
 
-Wall = tuple[int, float]  # node, and its value at the wall
-Segment = tuple[Wall, int, int]  # the rows of points below and above a wall
+Threshold = tuple[int, float]  # node, and its value at the threshold
+Segment = tuple[Threshold, int, int]  # the rows of points below and above a threshold
 Values = Callable[[Array, Function], list[Array]]  # of every node at points, one column per port
-NEAR_WALL = "beside a wall"
-_STEP, _NEAR = 5e-4, 2e-4  # of the wall's value: how far beside it, and how well that is met
-_LEAST = 1e-2  # smaller constants guard divisors and bound series
-_HALVINGS, _MOST, _PAIRS = 40, 11, 4
+NEAR_THRESHOLD = "near a threshold"
+_STEP, _NEAR = 5e-4, 2e-4  # distance from a threshold and tolerance of that [share of the threshold]
+_LEAST = 1e-2  # smaller constants are no thresholds: they guard divisors and switch to series
+_HALVINGS, _MOST, _PAIRS = 40, 11, 4  # bisections, thresholds of a function, segments for each
 
 
 def near_thresholds(
     function: Function, ports: Sequence[Port], rows: Array, prepared: Mapping[str, Array]
 ) -> Iterator[Point]:
-    """Points on segments between ``rows`` (one column per port), both sides of every wall that these cross."""
+    """Yield points on both sides of each threshold that segments between given points cross.
+
+    Args:
+        function: the function.
+        ports: its inputs that vary.
+        rows: points, one column per port.
+        prepared: values of the other inputs by name.
+    """
     if not len(rows) or not any(_chooses(n.op) or n.op is Op.RINT for n in function.nodes):
         return
 
@@ -202,7 +231,7 @@ def near_thresholds(
 
     segments = _segments(function, at(rows, function), len(rows))
     if segments:
-        yield from _near_walls(function, rows, segments, at)
+        yield from _near_goals(function, rows, segments, at)
 
 
 def _chooses(op: Op) -> bool:
@@ -210,7 +239,7 @@ def _chooses(op: Op) -> bool:
 
 
 def _segments(function: Function, values: Sequence[Array], count: int) -> list[Segment]:
-    """Segments that cross a wall, some for each: on some the value jumps over it."""
+    """Return several segments across each threshold, because on some of them the value jumps over it."""
     segments: list[Segment] = []
     for node, goal in _goals(function, values):
         column = np.broadcast_to(values[node], count)
@@ -221,17 +250,17 @@ def _segments(function: Function, values: Sequence[Array], count: int) -> list[S
     return segments
 
 
-def _near_walls(function: Function, rows: Array, segments: Sequence[Segment], at: Values) -> Iterator[Point]:
-    """The first point found just below each wall, by halving the segments that cross it."""
-    walls = [wall for wall, _, _ in segments]
-    needed = tuple(dict.fromkeys(node for node, _ in walls))
+def _near_goals(function: Function, rows: Array, segments: Sequence[Segment], at: Values) -> Iterator[Point]:
+    """Yield the first point found just below each threshold, by bisection of the segments across it."""
+    thresholds = [threshold for threshold, _, _ in segments]
+    needed = tuple(dict.fromkeys(node for node, _ in thresholds))
     short = pruned(replace(function, results=needed))
     place = dict(zip(needed, short.results, strict=True))
-    goals = np.array([goal for _, goal in walls])
+    goals = np.array([goal for _, goal in thresholds])
 
     def reached(points: Array) -> Array:
         values = at(points, short)
-        return np.array([values[place[node]][k] for k, (node, _) in enumerate(walls)])
+        return np.array([values[place[node]][k] for k, (node, _) in enumerate(thresholds)])
 
     low, high = rows[[below for _, below, _ in segments]], rows[[above for _, _, above in segments]]
     for _ in range(_HALVINGS):
@@ -239,33 +268,34 @@ def _near_walls(function: Function, rows: Array, segments: Sequence[Segment], at
         under = reached(middle) < goals
         low, high = np.where(under[:, None], middle, low), np.where(under[:, None], high, middle)
     points = low.astype(np.float32).astype(np.float64)
-    met: set[Wall] = set()
+    met: set[Threshold] = set()
     for k, near in enumerate(np.abs(reached(points) - goals) <= _NEAR * np.abs(goals)):
-        if near and walls[k] not in met:
-            met.add(walls[k])
-            yield NEAR_WALL, points[k]
+        if near and thresholds[k] not in met:
+            met.add(thresholds[k])
+            yield NEAR_THRESHOLD, points[k]
 
 
-def _goals(function: Function, values: Sequence[Array]) -> list[Wall]:
-    """Both sides of every wall; first beyond limits and short of roundings, where larger constants show."""
-    walls = _walls(function, values)
-    first = [(node, wall * (1 - _STEP if half else 1 + _STEP)) for node, wall, half in walls]
-    return first + [(node, wall * (1 + _STEP if half else 1 - _STEP)) for node, wall, half in walls]
+def _goals(function: Function, values: Sequence[Array]) -> list[Threshold]:
+    """Return both sides of every threshold; first beyond limits and short of roundings, where larger constants show."""
+    thresholds = _thresholds(function, values)
+    first = [(node, value * (1 - _STEP if half else 1 + _STEP)) for node, value, half in thresholds]
+    return first + [(node, value * (1 + _STEP if half else 1 - _STEP)) for node, value, half in thresholds]
 
 
-def _walls(function: Function, values: Sequence[Array]) -> list[tuple[int, float, bool]]:
-    """Node, value and whether that is half a whole number."""
-    walls: dict[tuple[int, float, bool], None] = {}
+def _thresholds(function: Function, values: Sequence[Array]) -> list[tuple[int, float, bool]]:
+    """Return (node, threshold, whether it is half a whole number) of every choice and rounding."""
+    thresholds: dict[tuple[int, float, bool], None] = {}
     for node in function.nodes:
         if _chooses(node.op):
             signs = (1, -1) if node.op in (Op.CLAMP, Op.AT_LEAST) else (1,)
             for c, other in (node.args[:2], node.args[1::-1]):
                 value = function.nodes[c].value
-                if value is not None and abs(wall := to_float64(value)) >= _LEAST:
-                    walls |= {(other, sign * wall, False): None for sign in signs}
+                threshold = 0.0 if value is None else to_float64(value)
+                if abs(threshold) >= _LEAST:
+                    thresholds |= {(other, sign * threshold, False): None for sign in signs}
         elif node.op is Op.RINT:
             inner = node.args[0]
             far = np.sort(np.atleast_1d(values[inner]))
             for end in (far[1], far[-2]) if len(far) > 3 else ():
-                walls[inner, float(np.trunc(end) + np.copysign(0.5, -end)), True] = None
-    return [wall for wall in walls if wall[1]]
+                thresholds[inner, float(np.trunc(end) + np.copysign(0.5, -end)), True] = None
+    return [threshold for threshold in thresholds if threshold[1]]

@@ -1,11 +1,10 @@
 """Running error bounds: a function at many points at once, each value with a bound of its rounding error.
 
-Values are computed in float64. Two bounds go along: how far code in the target's arithmetic (rounding unit ``unit``,
-library functions as `wmrgen.ir.ops.trigonometric` says) may be from the float64 value, and how far that value may be
-from the exact formula: Higham, Accuracy and Stability of Numerical Algorithms, 3.3. Contraction to fused multiply-add
-only leaves roundings out, so the bounds hold with it. A comparison that rounding may turn counts both branches. The
-last bits of a value may depend on the processor's sine; no result that is printed does, for those are rounded where the
-second bound leaves no doubt.
+Values are computed in float64. Two bounds go with them: how far code in the target's arithmetic may be from the float64
+value, and how far that value may be from the exact formula (Higham, Accuracy and Stability of Numerical Algorithms,
+3.3). Fused multiply-adds only leave out roundings, so the bounds hold for them too. If rounding may change the outcome
+of a comparison, both branches count. The last bits of a value may depend on the processor's sine. Printed results do
+not: they are rounded where the second bound leaves no doubt.
 """
 
 from __future__ import annotations
@@ -23,13 +22,14 @@ from wmrgen.ir.ops.analysis import Bounded
 from wmrgen.ir.rounding import to_float32, to_float64
 
 Array = Any  # numpy array of float64, one value per point
-UNITS = {"float": 2.0**-24, "double": 2.0**-53}
-LARGEST_ANGLE = {"float": 1e4, "double": 1e9}  # rad: own kernels promise nothing beyond
-_HALF = 2.0**-53  # of the float64 values themselves
+UNITS = {"float": 2.0**-24, "double": 2.0**-53}  # unit roundoff: largest relative error of a rounding [1]
+LARGEST_ANGLE = {"float": 1e4, "double": 1e9}  # sines of larger angles have no bound [rad]
+_HALF = 2.0**-53  # unit roundoff of the float64 values themselves [1]
 
 
 @lru_cache(maxsize=4096)
 def _constant(value: Exact, scalar: str) -> tuple[float, Array]:
+    """Return the float64 value of a constant, and its errors as in `Bounded.error`."""
     near = to_float64(value)
     single = to_float32(value)
     if value == Exact(Fraction(single)):
@@ -38,13 +38,23 @@ def _constant(value: Exact, scalar: str) -> tuple[float, Array]:
 
 
 def rounding_of(near: float, printed: float) -> Array:
-    """Errors of a constant: of its printed value, and of the float64 ``near`` it."""
+    """Return the errors of a constant: of its printed value, and of the float64 value ``near``."""
     own = _HALF * abs(near)
     return np.array([[abs(printed - near) + own], [own]])
 
 
 def bounds(function: Function, inputs: Mapping[str, Bounded], scalar: str, count: int) -> list[Bounded]:
-    """Every node of ``function`` at ``count`` points; ``inputs`` by name."""
+    """Return every node with its error bounds.
+
+    Args:
+        function: the function, without calls.
+        inputs: values and errors by input name.
+        scalar: "float" or "double", the type of the code.
+        count: the number of points.
+
+    Returns:
+        By node, values and errors at all points.
+    """
     unit = np.array([[UNITS[scalar] + _HALF], [_HALF]])
     largest = LARGEST_ANGLE[scalar]
     nodes: list[Bounded] = []
@@ -65,5 +75,5 @@ def bounds(function: Function, inputs: Mapping[str, Bounded], scalar: str, count
 
 
 def _within(wave: Bounded, angle: Bounded, largest: float) -> Bounded:
-    """No bound where the angle is beyond ``largest``."""
+    """Return a sine or cosine without a bound (infinite error) where the angle is larger than ``largest``."""
     return Bounded(wave.value, np.where(np.abs(angle.value) <= largest, wave.error, np.inf))

@@ -1,8 +1,8 @@
-"""Test vectors of a module: inputs, what the exact formula gives, and how far rounding may take code from it.
+"""Test vectors of a module: inputs, results of the exact formula, and how far rounding may move code from them.
 
-A point where rounding decides between different results is left out. What is expected is the exact value, rounded
-once: float64 where its own error bound leaves no doubt about that, 60 digits where it does; what is below 1e-12 for
-sure is 0. Laws: forward after an inverse gives the twist, beside zeros of either sign too.
+Points at which rounding decides between different results are left out. The expected value is the exact one, rounded
+once: from float64 if its error bound leaves no doubt, otherwise from 60 digits. Values that are certainly below
+1e-12 are 0. A law is tested as well: forward after inverse gives the twist, also next to zeros of either sign.
 """
 
 from __future__ import annotations
@@ -23,48 +23,58 @@ from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
 from wmrgen.ir.selftest.points import BRANCH, Grid, Point, near_thresholds, points
 from wmrgen.ir.selftest.rounding_bounds import UNITS, Array, bounds, rounding_of
 
-_WORST = 2.0**13  # units of rounding: what loses more is too ill-conditioned to test anything
-_SLACK = 1.05  # the printed tolerance above the bound: second-order terms, rounding of the printed numbers
-_FLOOR = 1e-12
+_WORST = 2.0**13  # largest error of a test point [rounding units]: points that lose more test nothing
+_SLACK = 1.05  # factor of the tolerance, for second-order terms and the rounding of the printed numbers [1]
+FLOOR = 1e-12  # smaller results are expected to be 0, and part of each tolerance [SI units]
 INVERSES = ("inverse", "inverse_together")
-_LAWS = 6
-# Numbers in a table, and rows however long they are: tens of wheels have fewer rows.
-_NUMBERS, _LEAST = 2400, 8
-_SPARE = 20  # points for branches
+_LAWS = 6  # generic motions in the table of a law
+# Numbers of a table and least number of rows; functions of tens of wheels have long rows and get fewer.
+NUMBERS, LEAST_ROWS = 2400, 8
+_SPARE = 20  # points of the pool that a table may take for rare branches
 THERE = "there and back"
-_RARE = 2  # points that a pair of outcomes should have
+_RARE = 2  # points that each pair of outcomes of choices should have
 
 
 class Vector(NamedTuple):
-    """One point of a table, in its order of names."""
+    """One point of a table; numbers are in the order of the table's names, in SI units."""
 
-    text: str
+    text: str  # what the point is
     inputs: tuple[float, ...]
     expected: tuple[float, ...]
     tolerance: tuple[float, ...]
 
 
 class Table(NamedTuple):
-    """Vectors of functions that take the same inputs; ``law``: outputs of the first are inputs of the second."""
+    """Test vectors of functions with the same inputs."""
 
     functions: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     vectors: tuple[Vector, ...]
-    law: bool = False
+    law: bool = False  # whether outputs of the first function are inputs of the second
 
 
-def tables(module: Module, scalar: str, site: Site = NO_SITE) -> tuple[Table, ...]:
-    """A table per function with inputs and outputs (a variant in that of its function), then one for the law."""
+def tables(module: Module, scalar: str, site: Site = NO_SITE, numbers: int = NUMBERS) -> tuple[Table, ...]:
+    """Return a table for each function (shared by its variants), then one for each law.
+
+    Args:
+        module: the functions.
+        scalar: "float" or "double", the type of the code.
+        site: limits and pivots of the robot, at which functions are tested too.
+        numbers: about how many numbers a table has; it has at least `LEAST_ROWS` rows.
+
+    Returns:
+        The tables, without empty ones.
+    """
     module = inlined_calls(module)
     prepared = prepared_of(module, scalar)
-    computed = [_table(module, group, scalar, site, prepared) for group in _groups(module)]
+    computed = [_table(module, group, scalar, site, prepared, numbers) for group in _groups(module)]
     laws = [_law(module, name, scalar, site, prepared) for name in INVERSES]
     return tuple(t for t in (*computed, *laws) if t is not None and t.vectors)
 
 
 def _groups(module: Module) -> list[list[Function]]:
-    """Functions in order, each with its variants where they take the same inputs."""
+    """Return the functions in order, each with its variants that have the same inputs."""
     groups: dict[str, list[Function]] = {}
     for function in module.functions:
         if not function.outputs:
@@ -82,7 +92,7 @@ def _names(ports: Sequence[Port]) -> tuple[str, ...]:
 
 
 def prepared_of(module: Module, scalar: str) -> dict[str, Bounded]:
-    """Tunable parameters at their nominal values, and what prepare() makes of them; one point."""
+    """Return the nominal values of tunable parameters and the results of prepare() for them, at one point."""
     ports = [port for function in module.every for port in function.inputs]
     nominal = {p.name: _nominal(p, scalar) for p in ports if p.default is not None}
     if module.prepare is not None:
@@ -97,8 +107,14 @@ def _nominal(port: Port, scalar: str) -> Bounded:
 
 
 def _table(
-    module: Module, group: Sequence[Function], scalar: str, site: Site, prepared: Mapping[str, Bounded]
+    module: Module,
+    group: Sequence[Function],
+    scalar: str,
+    site: Site,
+    prepared: Mapping[str, Bounded],
+    numbers: int,
 ) -> Table:
+    """Return the table of functions with the same inputs; rows of a long table are left out at even distances."""
     ports = contract(group[0])
     tried = list(points(group[0], ports, site)) if ports else [("constant", np.zeros(0))]
     if ports:
@@ -118,7 +134,7 @@ def _table(
         each = [evaluate_module(module, f.name, inputs, EXACT) for f in group]
         return {name: value for values in each for name, value in values.items()}
 
-    most = max(_LEAST, _NUMBERS // (len(ports) + 2 * len(results)))
+    most = max(LEAST_ROWS, numbers // (len(ports) + 2 * len(results)))
     rows = rows[:: -(-len(rows) // most)] if len(rows) > most else rows
     vectors = tuple(_vectors(tried, results, rows, scalar, exactly))
     return Table(tuple(f.name for f in group), _names(ports), tuple(results), vectors)
@@ -138,20 +154,20 @@ def _columns(
 
 
 def _sound(results: Iterable[Bounded], scalar: str) -> Array:
-    """Per point: every output is finite and its bound small."""
+    """Return by point whether every output is finite and its error bound small."""
     worst = _WORST * UNITS[scalar]
     each = [np.isfinite(b.value) & (b.error[0] <= worst * (1 + np.abs(b.value))) for b in results]
     return np.logical_and.reduce(each)
 
 
 def _kept(nodes: Sequence[Bounded], tried: Sequence[Point], sound: Array) -> list[int]:
-    """The first points that are sound; of the pool those with two outcomes of choices that are rare together."""
+    """Return the points of a table: all sound ones, and those of the pool with a rare pair of outcomes of choices."""
     choices = [b.outcome[0] for b in nodes if b.outcome is not None]
     matrix = np.array(choices).reshape(len(choices), len(tried))
     outcomes = np.concatenate([matrix == 1, matrix == -1]).T
     seen = np.zeros((outcomes.shape[1],) * 2, dtype=int)
     rows, spare = [], _SPARE
-    common: set[bytes] = set()  # outcomes of which no two are rare together
+    common: set[bytes] = set()  # outcomes of points of the pool without a rare pair
     for k in np.flatnonzero(sound).tolist():
         branch, own = tried[k][0] == BRANCH, outcomes[k].tobytes()
         if branch and (not spare or own in common):
@@ -173,11 +189,11 @@ def _vectors(
     scalar: str,
     exactly: Callable[[Array], Mapping[str, Exact]],
 ) -> Iterator[Vector]:
-    """The rows of the table; the rounding of the printed expectation counts in the tolerance."""
+    """Yield the rows of a table; the tolerance includes the rounding of the expected value."""
     value = np.array([b.value for b in results.values()])[:, rows]
     error = np.array([b.error for b in results.values()])[:, :, rows]
-    expected, sure = _rounded(value, error[:, 1], scalar)
-    slack = _SLACK * (error[:, 0] + (UNITS[scalar] + 2.0**-53) * np.abs(value)) + _FLOOR
+    expected, sure = rounded(value, error[:, 1], scalar)
+    slack = _SLACK * (error[:, 0] + (UNITS[scalar] + 2.0**-53) * np.abs(value)) + FLOOR
     enter = to_float32 if scalar == "float" else to_float64
     for k, row in enumerate(rows):
         text, point = tried[row]
@@ -189,9 +205,18 @@ def _vectors(
 
 
 @np.errstate(over="ignore")
-def _rounded(value: Array, error: Array, scalar: str) -> tuple[Array, Array]:
-    """``value`` in the scalar type, and whether everything within ``error`` of it rounds to the same."""
-    nothing = np.abs(value) + error < _FLOOR
+def rounded(value: Array, error: Array, scalar: str) -> tuple[Array, Array]:
+    """Round values to the scalar type; values that are certainly below `FLOOR` become 0.
+
+    Args:
+        value: float64 values.
+        error: bounds of their errors.
+        scalar: "float" or "double".
+
+    Returns:
+        The rounded values, and for each whether all numbers within ``error`` round to it.
+    """
+    nothing = np.abs(value) + error < FLOOR
     value = np.where(nothing, 0.0, value)
     if scalar == "double":
         return value, nothing | (error == 0)
@@ -200,7 +225,7 @@ def _rounded(value: Array, error: Array, scalar: str) -> tuple[Array, Array]:
 
 
 def _law(module: Module, name: str, scalar: str, site: Site, prepared: Mapping[str, Bounded]) -> Table | None:
-    """Forward after inverse at twists that the wheels admit; None where forward asks for more than that."""
+    """Return the table of forward after an inverse, for admissible twists; None if forward needs other inputs."""
     by_name = {f.name: f for f in module.functions}
     if not {name, "forward"} <= by_name.keys():
         return None
@@ -211,7 +236,7 @@ def _law(module: Module, name: str, scalar: str, site: Site, prepared: Mapping[s
     if not (set(TWIST_NAMES) <= set(names) and {p.name for p in contract(forward)} <= joints_too):
         return None
     tried = list(_there_and_back(ports, site))
-    # Zeros of both signs are one number to the law: which way a wheel then rolls does not matter.
+    # The law does not distinguish zeros of either sign: which way a wheel rolls does not matter.
     columns = _columns(ports, [(text, row + 0.0) for text, row in tried], prepared)
     joints = inverse.outputs_of(bounds(inverse, columns, scalar, len(tried)))
     twists = forward.outputs_of(bounds(forward, {**columns, **joints}, scalar, len(tried)))
@@ -229,7 +254,7 @@ def _law(module: Module, name: str, scalar: str, site: Site, prepared: Mapping[s
 
 
 def _there_and_back(ports: Sequence[Port], site: Site) -> Iterator[Point]:
-    """Generic motions, straight ones among them; each command alone beside -0, wheels at 0 or a quarter turn."""
+    """Yield generic and straight motions, and each command alone, the others -0, with wheels at 0 or 90 degrees."""
     names = _names(ports)
     rows = Grid(ports, site).rows[:12]
     ahead = rows[:6].copy()

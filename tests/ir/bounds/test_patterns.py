@@ -1,4 +1,4 @@
-"""What lemmas ask of the node list, and what looks like it and is not."""
+"""Patterns in the node list, and node lists that look like them but are not."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from wmrgen.ir.bounds.shapes import contracted, effective
+from wmrgen.ir.bounds.patterns import contracted, effective
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op
 

@@ -1,13 +1,13 @@
-"""`input_limits`: which (v, omega) a car can drive, and the nearest ones that it can (AA274; Tzafestas 2.3.4).
+"""The (v, omega) that a car can drive, and the nearest one to a command: `input_limits` (AA274; Tzafestas 2.3.4).
 
-A wheel on the centre line, L before the fixed axle, runs at u1 under the steering angle zeta: v = u1 cos zeta,
-L omega = u1 sin zeta. With |u1| <= u1_max and |zeta| <= zeta_max this is exactly
+A wheel on the centre line, L before the fixed axle, runs at u1 under the steering angle zeta: v = u1 cos zeta and L
+omega = u1 sin zeta. With |u1| <= u1_max and |zeta| <= zeta_max the exact set is
 
     v^2 + (L omega)^2 <= u1_max^2,  |L omega| <= |v| tan zeta_max
 
-and inside it lies the set |v| <= u1_max cos zeta_max, |L omega| <= |v| tan zeta_max, where the bound of v does not
+The inner set |v| <= u1_max cos zeta_max, |L omega| <= |v| tan zeta_max is inside it. There the bound of v does not
 depend on omega. Reeds-Shepp cars drive |v| = v_max, Dubins cars v = v_max. The texts print L = 1. Distances and
-margins are in m/s, turning measured as L omega.
+margins are in m/s, and turning is measured as L omega.
 """
 
 from __future__ import annotations
@@ -54,29 +54,29 @@ INPUTS = (
 _OUTPUTS = (
     output("v_max", "m/s", "inner bound of |v|; Reeds-Shepp: |v| = v_max, Dubins: v = v_max"),
     output("omega_max", "rad/s", "inner bound of |omega| at v"),
-    output("omega_max_exact", "rad/s", "exact bound of |omega| at v; 0 where v is out of reach"),
-    output("exact.v", "m/s", "nearest that can be driven"),
-    output("exact.omega", "rad/s", "nearest that can be driven"),
-    output("inner.v", "m/s", "nearest in the inner set"),
-    output("inner.omega", "rad/s", "nearest in the inner set"),
+    output("omega_max_exact", "rad/s", "exact bound of |omega| at v; 0 if v is too fast"),
+    output("exact.v", "m/s", "speed of the nearest command in the exact set"),
+    output("exact.omega", "rad/s", "yaw rate of the nearest command in the exact set"),
+    output("inner.v", "m/s", "speed of the nearest command in the inner set"),
+    output("inner.omega", "rad/s", "yaw rate of the nearest command in the inner set"),
     output("exact.margin", "m/s", "slack of the tightest bound, negative outside"),
     output("inner.margin", "m/s", "slack of the tightest bound, negative outside"),
 )
 
 
 class _Car(NamedTuple):
-    """L [m], tan, cos and sin of zeta_max and u1_max [m/s]."""
+    """The car's geometry and limits."""
 
-    base: Expr
-    tan: Expr
-    cos: Expr
-    sin: Expr
-    top: Expr
+    base: Expr  # L [m]
+    tan: Expr  # tan zeta_max
+    cos: Expr  # cos zeta_max
+    sin: Expr  # sin zeta_max
+    top: Expr  # u1_max [m/s]
 
 
 @function("AA274, bounds of the simplified car; Tzafestas 2.3.4")
 def input_limits(robot: Robot, mobility: Mobility) -> Formula:
-    """v and omega to the bounds, the margins and the nearest commands in the exact and in the inner set."""
+    """Return bounds, margins and the nearest commands in the exact and the inner set, for v and omega."""
     ref = reference(robot, mobility, "input_limits")
     names = Locals()
     car = _car(robot, ref, names)
@@ -94,17 +94,17 @@ def input_limits(robot: Robot, mobility: Mobility) -> Formula:
         "input_limits",
         (*INPUTS, *tunable_ports(robot)),
         zip(_OUTPUTS, (*bounds, *nearest, exact, inner), strict=True),
-        "speed and yaw rate to what a car can drive (AA274 bounds)",
+        "speed and yaw rate to the nearest ones that a car can drive (AA274 bounds)",
     )
 
 
 def _nearest(
     car: _Car, sizes: tuple[Expr, Expr], slope: Expr, v_max: Expr, over_base: Expr, names: Locals
 ) -> tuple[Expr, Expr, Expr, Expr]:
-    """(v, omega) of the nearest points of the exact and of the inner set, in (v, L omega).
+    """Return (v, omega) of the nearest points of the exact and of the inner set, in (v, L omega).
 
-    Each set is four mirror images of its part with v, omega >= 0, a convex piece that the nearest point shares.
-    Outside the wedge the nearest point lies on its ray; then the disk is met by scaling, the inner bound by clipping.
+    Each set consists of four mirror images of its part with v, omega >= 0. This part is convex. Outside the wedge the
+    nearest point is on the wedge's ray. The disk then scales it, and the inner bound clips it.
     """
     a, b = sizes
     ray = names.define("ray", add(times(a, car.cos), times(b, car.sin)))
@@ -128,11 +128,13 @@ def _nearest(
 
 
 def _car(robot: Robot, ref: Axle, names: Locals) -> _Car:
-    """What the limits of the file allow a wheel on the centre line."""
+    """Return what the limits of the robot file allow a wheel on the centre line."""
     base = wheelbase(robot, ref)
     steered = [w for w in robot.wheels if w.kind.steers]
     if base is None:
-        raise _refusal(robot, "its bounds are those of a car: a fixed axle and wheels steered in one line")
+        raise _refusal(
+            robot, "its bounds are defined for a car: a fixed axle, and steered wheels on one line across it"
+        )
     bend = names.define("sharpest", _least([_sharpest(robot, w, ref) for w in steered]))
     length = names.define("wheelbase_size", absolute(expression(base)))
     tan = names.define("tan_zeta", times(length, bend))
@@ -142,7 +144,7 @@ def _car(robot: Robot, ref: Axle, names: Locals) -> _Car:
 
 
 def _least(values: list[Expr]) -> Expr:
-    """The smallest; the same value twice counts once."""
+    """Return the smallest value; equal values are written once."""
     return reduce(lambda least, value: least if value == least else minimum(least, value), values)
 
 
@@ -151,7 +153,7 @@ def _refusal(robot: Robot, why: str) -> NotDerivableError:
 
 
 def _sharpest(robot: Robot, w: Wheel, ref: Axle) -> Expr:
-    """The largest curvature [1/m] that the steering limit of one wheel allows to both sides.
+    """Return the largest curvature [1/m] that the steering limit of one wheel allows to both sides.
 
     A wheel at (x, y) from the axle centre points along (1 - k y, k x) on the circle of curvature k.
     """
@@ -160,7 +162,8 @@ def _sharpest(robot: Robot, w: Wheel, ref: Axle) -> Expr:
         raise _refusal(robot, f"{w.name} has no limits: {{steer: ...}}; write its largest steering angle")
     if ref.ey.scale(w.nominal.ch) - ref.ex.scale(w.nominal.sh):
         raise _refusal(
-            robot, f"{w.name} does not stand straight ahead at zero steering, where its limits are"
+            robot,
+            f"{w.name} does not point straight ahead at steering angle 0, so its limits are not symmetric",
         )
     zeta = min(limit.high, -limit.low)
     if zeta.sign <= 0 or float(zeta) >= 1.57:
@@ -175,9 +178,9 @@ def _sharpest(robot: Robot, w: Wheel, ref: Axle) -> Expr:
 
 
 def _tops(robot: Robot, steered: list[Wheel], ref: Axle, bend: Expr) -> list[Expr]:
-    """Bounds of u1: `vx` of the robot, and r spin of each steered wheel.
+    """Return bounds of u1 [m/s]: `vx` of the robot, and r spin of each steered wheel.
 
-    A wheel beside the centre line runs up to 1 + |y| bend times as fast as one on it.
+    A wheel beside the centre line runs up to 1 + |y| bend times as fast as a wheel on the line.
     """
     tops: list[Expr] = []
     if "vx" in robot.limits:
@@ -200,5 +203,8 @@ def _tops(robot: Robot, steered: list[Wheel], ref: Axle, bend: Expr) -> list[Exp
 def _symmetric(robot: Robot, name: str, limit: Interval) -> Exact:
     top = min(limit.high, -limit.low)
     if top.sign <= 0:
-        raise _refusal(robot, f"limits of {name} leave no speed in one direction; Reeds-Shepp cars reverse")
+        raise _refusal(
+            robot,
+            f"the limits of {name} allow motion in one direction only, and a Reeds-Shepp car also reverses",
+        )
     return top

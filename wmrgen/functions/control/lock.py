@@ -1,9 +1,9 @@
-"""`lock`: steering angles at which no motion is possible, the X of a swerve drive.
+"""Steering angles at which no motion is possible, the X of a swerve drive: `lock`.
 
 Every steered wheel points towards the centroid of all steered pivots, or away from it, and does not spin. Let r be the
-vector from the centroid to a pivot and v the velocity of the centroid. The sliding row of the wheel is
-(z x r) . v + |r|^2 omega = 0. The sum over all wheels gives omega = 0, because the vectors r sum to zero. Then v = 0,
-unless all pivots are on one line.
+vector from the centroid to a pivot and v the velocity of the centroid. The sliding row of the wheel is (z x r) . v +
+|r|^2 omega = 0. The sum over all wheels gives omega = 0, because the vectors r sum to zero. Then v = 0, unless all
+pivots are on one line.
 """
 
 from __future__ import annotations
@@ -37,14 +37,13 @@ from wmrgen.geometry.symbolic import (
     times,
 )
 
-_CLEAR = (
-    1e-3  # of the largest distance: a wheel as near to the centroid points nowhere; and of singular values
-)
+# Share of the largest distance from the centroid: a nearer wheel has no direction to point in. Also of singular values.
+_CLEAR = 1e-3
 
 
 @function("ours; setX of FRC swerve drives")
 def lock(robot: Robot, _: Mobility) -> Formula:
-    """Present steering angles to the nearest angles at which the robot can neither move nor turn; all spins are 0."""
+    """Return the steering angles, nearest to the present ones, at which the robot can neither move nor turn."""
     steered = [w for w in robot.wheels if w.kind.steers]
     _check(robot, steered)
     names = Locals()
@@ -73,7 +72,7 @@ def lock(robot: Robot, _: Mobility) -> Formula:
 
 
 def _angle(y: Poly, x: Poly) -> Expr:
-    """The direction of (x, y) [rad]: a number where no parameter is tunable."""
+    """Return the direction of (x, y) [rad]: a number if neither depends on a tunable parameter."""
     b, a = y.constant, x.constant
     if a is None or b is None:
         return angle_of(expression(y), expression(x))
@@ -102,7 +101,7 @@ def _check(robot: Robot, steered: list[Wheel]) -> None:
             first = phase(arm / w.zero_heading)
             first += pi * np.ceil((low - first) / pi)
             if first > high:
-                why = f"the steering stops of {w.name} keep it from pointing to the centroid of the steered wheels"
+                why = f"the steering stops of {w.name} prevent it from pointing to the centroid of the steered wheels"
                 raise underivable(robot, "lock", why)
     rows = [[-arm.imag, arm.real, abs(arm) ** 2 / far] for arm in arms]
     fixed = [(w.heading, w.pivot - centre) for w in robot.wheels if w.kind.fixed_axle]

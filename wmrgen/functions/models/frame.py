@@ -1,9 +1,10 @@
-"""The steering coordinates of a robot, the twists that its wheels admit at them, and what the other wheels do.
+"""The steering coordinates of a robot, the twists that its wheels admit, and how the other wheels follow.
 
-xi = N(beta) eta: N spans the null space of C1 (Siegwart (3.36); Campion (1996)), beta are the angles of as many
-steered wheels, real or virtual, as decide where the ICR lies. All other wheels follow: with one freedom of driving, the
-velocity of every point of the body has a direction that the coordinates fix, V = N_xy + N_omega z x A, and a wheel
-that follows points along it (the Ackermann condition), on the side that is nearest to its zero at straight steering.
+xi = N(beta) eta: N spans the null space of C1 (Siegwart (3.36); Campion (1996)). beta are the angles of those steered
+wheels, real or virtual, that determine where the ICR is. All other wheels follow. With one freedom of driving, the
+velocity of every point of the body has a direction that the coordinates determine, V = N_xy + N_omega z x A. A wheel
+that follows points along it (the Ackermann condition), on the side that is nearer to its zero when steering is
+straight.
 """
 
 from __future__ import annotations
@@ -34,30 +35,30 @@ from wmrgen.geometry.exact.poly import Poly, Row, at_angle, dot, each
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.ports import Port
 
-MOST_TERMS = 120  # a second for their square; twice as many take five
+MOST_TERMS = 120  # terms of a velocity: their square takes a second; that of twice as many takes five
 ONE, ZERO = Poly.of(1), Poly({})
 
 
 class Frame(NamedTuple):
-    """``columns``: those of N. ``wheels``: their angles are the steering coordinates; a virtual one has index -1."""
+    """Null space and steering coordinates of a robot."""
 
     robot: Robot
-    symbolic: bool
-    columns: tuple[Row, ...]
-    wheels: tuple[Wheel, ...]
+    symbolic: bool  # whether all parameters are symbols, or only the tunable ones
+    columns: tuple[Row, ...]  # columns of N
+    wheels: tuple[Wheel, ...]  # their angles are the steering coordinates; a virtual wheel has index -1
 
     @property
     def view(self) -> View:
-        """The geometry that all expressions are written in."""
+        """Return the geometry in which all expressions are written."""
         return symbolic_view if self.symbolic else working_view
 
     @property
     def geometry(self) -> tuple[Port, ...]:
-        """The parameters that stay symbols in this view."""
+        """Return the parameters that remain symbols in this view."""
         return parameter_ports(self.robot) if self.symbolic else tunable_ports(self.robot)
 
     def leader(self, wheel: Wheel) -> Wheel | None:
-        """The coordinate that turns ``wheel`` directly: the wheel itself or the one it is coupled to."""
+        """Return the coordinate that turns ``wheel`` directly: the wheel itself or the wheel it is coupled to."""
         names = {w.name: w for w in self.wheels}
         if wheel.name in names or wheel.index < 0:
             return names.get(wheel.name)
@@ -65,7 +66,17 @@ class Frame(NamedTuple):
 
 
 def frame(robot: Robot, mobility: Mobility, symbolic: bool, virtual: tuple[Wheel, ...] = ()) -> Frame:
-    """Coordinates and null space; ``virtual`` wheels, as many as the degree of steerability, replace the real ones."""
+    """Return coordinates and null space of a robot.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        symbolic: Whether all parameters are symbols, or only the tunable ones.
+        virtual: Virtual wheels that replace the real steering coordinates: as many as the degree of steerability.
+
+    Raises:
+        NotDerivableError: If the robot cannot move, or if its couplings tie steering angles together.
+    """
     if not mobility.degree_of_mobility:
         raise NotDerivableError(f"{robot.name} cannot move (degree of mobility 0): it has no model of motion")
     if len(mobility.basis_wheels) > mobility.degree_of_steerability:
@@ -87,7 +98,7 @@ def frame(robot: Robot, mobility: Mobility, symbolic: bool, virtual: tuple[Wheel
 
 
 def constant_rows(robot: Robot, mobility: Mobility) -> list[Row]:
-    """The independent rows of C1 that no steered wheel gives, parameters as symbols where a wheel gives them."""
+    """Return the independent rows of C1 that no steered wheel gives, with parameters as symbols where possible."""
     steered = set(mobility.basis_wheels)
     fixed_wheels = [w for w in robot.wheels if w.kind.fixed_axle]
     rows = []
@@ -99,9 +110,9 @@ def constant_rows(robot: Robot, mobility: Mobility) -> list[Row]:
 
 
 def _pivot_velocity(frame: Frame, wheel: Wheel, column: Row) -> tuple[Poly, Poly]:
-    """Velocity of the wheel's pivot under one column of N, robot frame [m/s per unit of eta].
+    """Return the velocity of the wheel's pivot under one column of N, robot frame [m/s per unit of eta].
 
-    NotDerivableError where it has too many terms for its square, which directions and rates need.
+    Raise NotDerivableError if it has too many terms for its square, which directions and rates need.
     """
     g = frame.view(wheel)
     a, b = clean(dot(along((ONE, ZERO), g), column), dot(along((ZERO, ONE), g), column))
@@ -117,14 +128,16 @@ def _pivot_velocity(frame: Frame, wheel: Wheel, column: Row) -> tuple[Poly, Poly
 
 
 def _followed(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
-    """Velocity of the pivot of a wheel that turns itself along it, under a column that moves it: of several all have
-    its direction, for such a wheel stands on the line of a fixed axle."""
+    """Return the velocity of the pivot of a wheel that points along it.
+
+    Any column that moves the pivot gives the same direction, because such a wheel is on the line of a fixed axle.
+    """
     velocities = [_pivot_velocity(frame, wheel, column) for column in frame.columns]
     return next((v for v in velocities if any(v)), velocities[0])
 
 
 def _rolling_sign(frame: Frame, wheel: Wheel, velocity: tuple[Poly, Poly]) -> int:
-    """+1 where the wheel rolls forward under +eta with its heading nearest to its zero, else -1."""
+    """Return +1 if the wheel rolls forward under +eta with its heading nearest to its zero, else -1."""
     g = wheel.nominal
     for angles in (straight, generic(frame.robot)):
         a, b = (nominal_at(p, frame.robot, angles) for p in velocity)
@@ -135,7 +148,13 @@ def _rolling_sign(frame: Frame, wheel: Wheel, velocity: tuple[Poly, Poly]) -> in
 
 
 def in_coordinates(frame: Frame, wheel: Wheel, row: Row) -> Row:
-    """A row of ``wheel`` in the angle of the coordinate that turns it."""
+    """Return a row of ``wheel`` written in the angle of the coordinate that turns it.
+
+    Args:
+        frame: The coordinates.
+        wheel: The wheel.
+        row: A row in the wheel's own angle.
+    """
     lead = frame.leader(wheel)
     if lead is None or lead.name == wheel.name:
         return row
@@ -144,18 +163,18 @@ def in_coordinates(frame: Frame, wheel: Wheel, row: Row) -> Row:
 
 
 def _led_by(lead: Wheel, wheel: Wheel) -> tuple[Poly, Poly]:
-    """(cos, sin) of the steering angle of a wheel that turns with ``lead`` or against it."""
+    """Return (cos, sin) of the steering angle of a wheel that turns with ``lead`` or against it."""
     c, s = steer_gens(lead)
     return c, s.scale(Exact(wheel.steer_sign))
 
 
 def has_coordinate(frame: Frame, wheel: Wheel) -> bool:
-    """True for a wheel whose heading is constant, its own state, or a coordinate."""
+    """Return whether the heading of a wheel is constant, a state of its own, or a coordinate."""
     return not wheel.kind.steers or frame.leader(wheel) is not None
 
 
 def rim_row(frame: Frame, wheel: Wheel) -> tuple[Poly, ...]:
-    """Rim speed [m/s] per unit of each eta, steering rates aside."""
+    """Return the rim speed [m/s] per unit of each eta, without the effect of steering rates."""
     g = frame.view(wheel)
     if has_coordinate(frame, wheel):
         row = in_coordinates(frame, wheel, driving_row(wheel, g))
@@ -167,7 +186,7 @@ def rim_row(frame: Frame, wheel: Wheel) -> tuple[Poly, ...]:
 
 
 def steering_rates(frame: Frame, wheel: Wheel) -> dict[str, Poly]:
-    """The wheel's steering rate per unit rate of each coordinate."""
+    """Return the wheel's steering rate per unit rate of each coordinate, by the coordinate's name."""
     lead = frame.leader(wheel)
     if lead is not None:
         return {lead.name: ONE.scale(Exact(wheel.steer_sign))}
@@ -181,12 +200,12 @@ def steering_rates(frame: Frame, wheel: Wheel) -> dict[str, Poly]:
 
 
 def castor_row(frame: Frame, wheel: Wheel) -> tuple[Poly, ...]:
-    """Steering rate of a castor [rad/s] per unit of each eta."""
+    """Return the steering rate of a castor [rad/s] per unit of each eta."""
     return tuple(castor_rate(wheel, frame.view(wheel), column) for column in frame.columns)
 
 
 def steering_direction(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
-    """(cos, sin) of the wheel's steering angle, times a positive factor."""
+    """Return (cos, sin) of the wheel's steering angle, times a positive factor."""
     lead = frame.leader(wheel)
     if lead is not None:
         return _led_by(lead, wheel)
@@ -196,7 +215,7 @@ def steering_direction(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
 
 
 def _length(squared: Poly) -> Poly:
-    """sqrt of a sum of squares; of one square of positive lengths, the length."""
+    """Return the square root of a sum of squares; for one square of positive lengths, the length."""
     root = sqrt_poly(squared)
     if root.constant is not None or len(squared.terms) > 1:
         return root
@@ -204,5 +223,5 @@ def _length(squared: Poly) -> Poly:
     head = sqrt_poly(Poly.of(coefficient))
     if any(e % 2 or g.kind != "param" for g, e in monomial):
         return root
-    # |p| as sqrt(p**2), for a parameter of either sign.
+    # |p| as sqrt(p**2), since a parameter may be negative.
     return head * Poly.gen("sqrt", "", Poly({monomial: Poly.of(1).terms[()]}))

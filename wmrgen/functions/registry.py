@@ -11,13 +11,13 @@ outside the package is known as soon as its module is imported.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from enum import Enum
+from enum import Enum, StrEnum
 from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
-from wmrgen.errors import Code, ErrorCollector, NotDerivableError, RobotFileError, UsageError
+from wmrgen.errors import Code, ErrorCollector, Mark, NotDerivableError, RobotFileError, UsageError
 from wmrgen.geometry.ports import Limits
 from wmrgen.robotfile.text import nearest, quoted, suggestion
 
@@ -108,15 +108,62 @@ def system(name: str) -> Callable[[_SystemBuilder], _SystemBuilder]:
     return declare
 
 
-def underivable(robot: Robot, what: str, why: str) -> NotDerivableError:
+class Reason(StrEnum):
+    """Why a robot cannot have a function: a key for programs. The message says it in full."""
+
+    OTHER = "other"  # no key of its own
+    NO_LIMIT = "no limit"  # the robot file lacks a limit that the function needs
+    ONE_SIDED_LIMIT = "limit on one side of 0"  # a limit excludes one direction
+    LIMIT_TOO_WIDE = "limit too wide"  # a limit of steering is 90 degrees or more
+    LIMIT_TOO_NARROW = "limit too narrow"  # a limit leaves no room
+    STEERING_STOPS = "steering stops"  # a wheel cannot reach an angle between its stops
+    SHARED_MOTOR = "shared motor"  # wheels on one motor would need motors of their own
+    CASTOR = "castor"  # a castor swings by itself
+    BESIDE_STEERING_AXIS = "beside the steering axis"  # a wheel rolls while it is steered
+    NOT_STEERED = "not steered"
+    NOT_DRIVEN = "not driven"
+    NOT_A_CAR = "not a car"  # the function is for cars only
+    CAR = "car"  # the function is not for cars
+    SKEWED_WHEEL = "skewed wheel"  # a wheel does not point straight ahead at steering angle 0
+    WHEELS_ON_ONE_LINE = "wheels on one line"
+    AXLES = "axles"  # the axles do not allow the motion, or do not determine it
+    COUPLINGS = "couplings"  # couplings between wheels prevent it
+    MOBILITY = "mobility"  # the degree of mobility does not allow it
+    UNSTABLE_GAINS = "unstable gains"
+    NO_ENCODER = "no encoder"
+    NO_NOISE = "no noise"
+    UNOBSERVABLE = "unobservable"  # the sensed joints do not determine it
+    NO_CENTRE_OF_GRAVITY = "no centre of gravity"
+    CENTRE_OF_GRAVITY = "centre of gravity"  # the centre of gravity is at the wrong height or place
+    NO_POLYGON = "no support polygon"
+    TOO_LONG = "too long"  # the formulas would be too long
+    NO_TRAILERS = "no trailers"
+    HITCH = "hitch off the axle"  # a trailer is not coupled on the axle
+    ROBOT_TYPE = "robot type"  # the function is for other types (Campion)
+    FLAT_OUTPUTS = "flat outputs without formulas"  # flat outputs are known, but no formulas
+    ACKERMANN = "Ackermann condition"  # virtual steering does not determine the ICR
+    NOT_PARALLEL = "not parallel"  # the wheels of a virtual wheel differ
+    NO_VIRTUAL_WHEEL = "no virtual wheel"
+
+
+class UnderivableError(NotDerivableError):
+    """A function, or a form of a model, that a robot cannot have."""
+
+    def __init__(self, what: str, reason: Reason = Reason.OTHER, mark: Mark | None = None) -> None:
+        super().__init__(what, mark)
+        self.reason = reason
+
+
+def underivable(robot: Robot, what: str, why: str, reason: Reason = Reason.OTHER) -> UnderivableError:
     """Return the error of a builder: the robot cannot have a function.
 
     Args:
         robot: The robot.
         what: The function, or the form of a model.
         why: The reason, and what to write instead.
+        reason: The reason as a key, for tests and other programs.
     """
-    return NotDerivableError(f"{robot.name} has no {what}: {why}")
+    return UnderivableError(f"{robot.name} has no {what}: {why}", reason)
 
 
 def declaration(name: str) -> Declaration:

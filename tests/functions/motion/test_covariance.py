@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tests.functions.refusals import refused
 from tests.oracle import oracle, weighted
 from tests.oracle.harness import robot_text
 from tests.oracle.weighted import LAYOUTS
 from tests.robots import of_text
 from wmrgen.codegen.c.checked import safe
 from wmrgen.derivation.facade import Derivation
-from wmrgen.errors import NotDerivableError, RobotFileError
+from wmrgen.errors import RobotFileError
+from wmrgen.functions.registry import Reason
 from wmrgen.geometry.ports import NO_SITE, POSE_COVARIANCE
 from wmrgen.geometry.ports import POSE as PORTS
 from wmrgen.ir.interpret import FLOAT32, evaluate_module
@@ -263,12 +265,12 @@ def test_a_wheel_has_its_own_noise() -> None:
 
 
 def test_who_has_no_covariance() -> None:
-    for layout, extra, why in (
-        (LAYOUTS["swerve"], "", "no sensed joint has noise; write noise"),
-        (LAYOUTS["one castor"], NOISY, "leave a motion unseen"),
-        (weighted.layout(LAYOUTS["differential"]["wheels"][0]), NOISY, "leave a motion unseen"),
+    for layout, extra, reason in (
+        (LAYOUTS["swerve"], "", Reason.NO_NOISE),
+        (LAYOUTS["one castor"], NOISY, Reason.UNOBSERVABLE),
+        (weighted.layout(LAYOUTS["differential"]["wheels"][0]), NOISY, Reason.UNOBSERVABLE),
     ):
-        with pytest.raises(NotDerivableError, match=why):
+        with refused(reason, "forward_covariance"):
             derived(robot_text(layout, extra=extra)).formula("forward_covariance")
 
 

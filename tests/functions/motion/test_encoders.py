@@ -7,13 +7,15 @@ from pathlib import Path
 
 import pytest
 
+from tests.functions.refusals import refused
 from tests.oracle.harness import robot_text
 from tests.oracle.weighted import LAYOUTS
 from tests.robots import of_text
 from wmrgen import derive, load
 from wmrgen.codegen.c.driver import evaluate_c
 from wmrgen.derivation.facade import Derivation
-from wmrgen.errors import NotDerivableError, RobotFileError
+from wmrgen.errors import RobotFileError
+from wmrgen.functions.registry import Reason
 from wmrgen.ir.kernels.choice import Choice
 
 NAME = "joints_from_counts"
@@ -73,7 +75,7 @@ def test_angles_alone_take_no_time() -> None:
 def test_who_has_no_encoder(tmp_path: Path) -> None:
     path = tmp_path / "plain.yaml"
     path.write_text(robot_text(LAYOUTS["swerve"]))
-    with pytest.raises(NotDerivableError, match="no wheel has an encoder; write encoder"):
+    with refused(Reason.NO_ENCODER, "encoder", "counts: 4096"):
         derive(load(path), [NAME]).formula(NAME)
 
 

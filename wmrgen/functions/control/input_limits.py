@@ -22,7 +22,7 @@ from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.control.unicycle import reference, wheelbase
 from wmrgen.functions.models.axle import Axle
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import working_view
 from wmrgen.geometry.exact.evaluate import circle_point
 from wmrgen.geometry.exact.number import Exact
@@ -133,7 +133,9 @@ def _car(robot: Robot, ref: Axle, names: Locals) -> _Car:
     steered = [w for w in robot.wheels if w.kind.steers]
     if base is None:
         raise _refusal(
-            robot, "its bounds are defined for a car: a fixed axle, and steered wheels on one line across it"
+            robot,
+            "its bounds are defined for a car: a fixed axle, and steered wheels on one line across it",
+            Reason.NOT_A_CAR,
         )
     bend = names.define("sharpest", _least([_sharpest(robot, w, ref) for w in steered]))
     length = names.define("wheelbase_size", absolute(expression(base)))
@@ -148,8 +150,8 @@ def _least(values: list[Expr]) -> Expr:
     return reduce(lambda least, value: least if value == least else minimum(least, value), values)
 
 
-def _refusal(robot: Robot, why: str) -> NotDerivableError:
-    return underivable(robot, "input_limits", why)
+def _refusal(robot: Robot, why: str, reason: Reason) -> NotDerivableError:
+    return underivable(robot, "input_limits", why, reason)
 
 
 def _sharpest(robot: Robot, w: Wheel, ref: Axle) -> Expr:
@@ -159,17 +161,24 @@ def _sharpest(robot: Robot, w: Wheel, ref: Axle) -> Expr:
     """
     limit = robot.limit(w, "steer")
     if limit is None:
-        raise _refusal(robot, f"{w.name} has no limits: {{steer: ...}}; write its largest steering angle")
+        raise _refusal(
+            robot,
+            f"{w.name} has no limits: {{steer: ...}}; write its largest steering angle",
+            Reason.NO_LIMIT,
+        )
     if ref.ey.scale(w.nominal.ch) - ref.ex.scale(w.nominal.sh):
         raise _refusal(
             robot,
             f"{w.name} does not point straight ahead at steering angle 0, so its limits are not symmetric",
+            Reason.SKEWED_WHEEL,
         )
     zeta = min(limit.high, -limit.low)
     if zeta.sign <= 0 or float(zeta) >= 1.57:
+        reason = Reason.ONE_SIDED_LIMIT if zeta.sign <= 0 else Reason.LIMIT_TOO_WIDE
         raise _refusal(
             robot,
             f"{w.name} may steer by {float(zeta):.4g} rad; a bound needs more than 0 and less than 90 deg",
+            reason,
         )
     cosine, sine = circle_point(zeta.rational())
     tan = number(sine / cosine)
@@ -195,7 +204,9 @@ def _tops(robot: Robot, steered: list[Wheel], ref: Axle, bend: Expr) -> list[Exp
         tops.append(times(expression(rim), 1 / faster))
     if not tops:
         raise _refusal(
-            robot, "no limit of speed is given; write limits: {vx: ...} or spin of the steered wheel"
+            robot,
+            "no limit of speed is given; write limits: {vx: ...} or spin of the steered wheel",
+            Reason.NO_LIMIT,
         )
     return tops
 
@@ -206,5 +217,6 @@ def _symmetric(robot: Robot, name: str, limit: Interval) -> Exact:
         raise _refusal(
             robot,
             f"the limits of {name} allow motion in one direction only, and a Reeds-Shepp car also reverses",
+            Reason.ONE_SIDED_LIMIT,
         )
     return top

@@ -22,7 +22,7 @@ from wmrgen.analysis.kinematics.records import Formula, Locals
 from wmrgen.analysis.kinematics.steer import QUARTER, Target, hysteresis, turned_back, turning_points
 from wmrgen.analysis.kinematics.steer_groups import moves_as_one, seen_from, steered_groups, turned
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.exact.poly import Row
 from wmrgen.geometry.layout.records import Interval, Robot, Wheel
@@ -67,10 +67,10 @@ def inverse_together(robot: Robot, mobility: Mobility) -> Formula:
     """Return joint commands as `inverse` does, with one decision for all modules: forwards or backwards."""
     count = len(steered_groups(robot))
     if not count:
-        raise underivable(robot, "inverse_together", "no wheel is steered")
+        raise underivable(robot, "inverse_together", "no wheel is steered", Reason.NOT_STEERED)
     if count == 1:
         why = "one motor steers all wheels, so use inverse"
-        raise underivable(robot, "inverse_together", why)
+        raise underivable(robot, "inverse_together", why, Reason.SHARED_MOTOR)
     text = "twist of P in the robot frame to joint commands, all modules forwards or all backwards"
     return joint_commands(robot, mobility, _steering, "inverse_together", text)
 

@@ -18,7 +18,7 @@ import sympy
 from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.analysis.kinematics.steer import PER_HALF_TURN, present, turned_back, turned_by
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import working_view
 from wmrgen.geometry.exact.evaluate import PRECISION, to_fraction, to_mpf
 from wmrgen.geometry.exact.linalg import mean
@@ -83,18 +83,20 @@ def _angle(y: Poly, x: Poly) -> Expr:
 def _check(robot: Robot, steered: list[Wheel]) -> None:
     """Raise NotDerivableError if these angles do not lock the robot, or if a wheel cannot reach its angle."""
     if not steered:
-        raise underivable(robot, "lock", "no wheel is steered, so no wheel can be turned across")
+        raise underivable(
+            robot, "lock", "no wheel is steered, so no wheel can be turned across", Reason.NOT_STEERED
+        )
     for members in robot.together("steer", steered):
         if len(members) > 1:
             why = f"{members[0].name} and {members[1].name} are steered by one motor"
-            raise underivable(robot, "lock", why)
+            raise underivable(robot, "lock", why, Reason.SHARED_MOTOR)
     centre = sum(w.pivot for w in steered) / len(steered)
     arms = [w.pivot - centre for w in steered]
     far = max(map(abs, arms))
     for w, arm in zip(steered, arms, strict=True):
         if abs(arm) <= _CLEAR * far:
             why = f"{w.name} is at the centroid of the steered wheels, so it has no direction to point in"
-            raise underivable(robot, "lock", why)
+            raise underivable(robot, "lock", why, Reason.AXLES)
         limits = robot.limit(w, "steer")
         if limits is not None:
             low, high = float(limits.low), float(limits.high)
@@ -102,7 +104,7 @@ def _check(robot: Robot, steered: list[Wheel]) -> None:
             first += pi * np.ceil((low - first) / pi)
             if first > high:
                 why = f"the steering stops of {w.name} prevent it from pointing to the centroid of the steered wheels"
-                raise underivable(robot, "lock", why)
+                raise underivable(robot, "lock", why, Reason.STEERING_STOPS)
     rows = [[-arm.imag, arm.real, abs(arm) ** 2 / far] for arm in arms]
     fixed = [(w.heading, w.pivot - centre) for w in robot.wheels if w.kind.fixed_axle]
     for heading, arm in fixed:
@@ -110,4 +112,4 @@ def _check(robot: Robot, steered: list[Wheel]) -> None:
         rows.append([n.real * far, n.imag * far, (arm.real * n.imag - arm.imag * n.real)])
     if np.linalg.svd(np.array(rows))[1][2:].sum() <= _CLEAR * far:
         why = "all its wheels are on one line, along which they could still roll"
-        raise underivable(robot, "lock", why)
+        raise underivable(robot, "lock", why, Reason.WHEELS_ON_ONE_LINE)

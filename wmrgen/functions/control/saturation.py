@@ -27,7 +27,7 @@ from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.control.twist_limits import twist_limits, whole
 from wmrgen.functions.control.wheel_limits import linear_spins, most, refuse_one_sided, room
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import working_view
 from wmrgen.geometry.exact.number import ONE, Exact
 from wmrgen.geometry.exact.poly import Gen, Poly, Row, triple
@@ -74,16 +74,20 @@ def _saturated(
     limits = twist_limits(robot, mobility, what, needed=False)
     steered = [w for w in robot.wheels if w.kind.steers]
     if steered and any(w.kind.fixed_axle for w in robot.wheels):
-        raise underivable(robot, what, "it turns only while it drives; use limit_twist, which keeps the path")
+        raise underivable(
+            robot, what, "it turns only while it drives; use limit_twist, which keeps the path", Reason.CAR
+        )
     driven = [w for w in robot.wheels if w.commands("spin") and not w.kind.swivels]
     beside = next((w.name for w in steered if w.nominal.o), None)
     if beside is not None:
         why = f"{beside} rolls beside its steering axis (offset_y), so steering changes its spin"
-        raise underivable(robot, what, why)
+        raise underivable(robot, what, why, Reason.BESIDE_STEERING_AXIS)
     caps = {w.index: room(robot, w, "spin", what) for w in driven}
     refuse_one_sided(robot, what, ((f"{w.name}.spin", caps[w.index]) for w in driven))
     if not any((*limits.values(), *caps.values())):
-        raise underivable(robot, what, "it has no limits; write limits: {vx: 1, omega: 2, spin: 40}")
+        raise underivable(
+            robot, what, "it has no limits; write limits: {vx: 1, omega: 2, spin: 40}", Reason.NO_LIMIT
+        )
     names, plan = Locals(), project(robot, mobility).twist
     first, second = (_part(plan, part) for part in order)
     a, b = (_speeds(robot, driven, part) for part in (first, second))

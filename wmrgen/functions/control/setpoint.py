@@ -51,7 +51,7 @@ from wmrgen.functions.control.twist_limits import (
     whole,
 )
 from wmrgen.functions.control.wheel_limits import linear_spins, most, refuse_one_sided, room
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import working_view
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.exact.poly import Gen, Poly, Row, triple
@@ -169,13 +169,13 @@ def _units(robot: Robot, mobility: Mobility) -> list[Unit]:
         rate, stops = robot.limit(lead, "steer_rate"), robot.limit(lead, "steer")
         if not moves_as_one(members, {w.index: pivot(w, plan) for w in members}):
             why = f"{lead.name} and {members[1].name} share a steering motor but move in different directions"
-            raise underivable(robot, "setpoint", why)
+            raise underivable(robot, "setpoint", why, Reason.SHARED_MOTOR)
         units.append(Unit(lead, members, rate, stops))
     for together in robot.together("spin", robot.wheels):
         turning = {robot.steer_group[w.index] for w in together if w.turns}
         if len(turning) + any(not w.turns for w in together) > 1 and turning:
             why = f"{together[0].name} and {together[1].name} share the motor of their spin, but not of their steering"
-            raise underivable(robot, "setpoint", why)
+            raise underivable(robot, "setpoint", why, Reason.SHARED_MOTOR)
     return units
 
 
@@ -196,12 +196,12 @@ def _check(robot: Robot, mobility: Mobility, units: list[Unit]) -> None:
     limits += [(f"{u.lead.name}.steer_rate", u.rate) for u in units]
     if not any(limit for _, limit in limits):
         why = "its wheels have no limits of acceleration; write limits: {spin_rate: 60} [rad/s^2], and steer_rate"
-        raise underivable(robot, "setpoint", why)
+        raise underivable(robot, "setpoint", why, Reason.NO_LIMIT)
     refuse_one_sided(robot, "setpoint", limits)
     for w in driven:
         if w.kind.swivels and (_spin_rate(robot, w) or robot.limit(w, "steer_acceleration")):
             why = f"the castor {w.name} swings as the robot moves, which changes its spin even at constant twist"
-            raise underivable(robot, "setpoint", why)
+            raise underivable(robot, "setpoint", why, Reason.CASTOR)
     for unit in units:
         if unit.rate is None or unit.stops is None:
             continue
@@ -212,7 +212,7 @@ def _check(robot: Robot, mobility: Mobility, units: list[Unit]) -> None:
                 f"{unit.lead.name} cannot reach every direction that inverse commands between its steering stops; "
                 "write stops at least 190 deg apart, or steer the robot as a car"
             )
-            raise underivable(robot, "setpoint", why)
+            raise underivable(robot, "setpoint", why, Reason.STEERING_STOPS)
 
 
 def _row(plan: Row, when: str, names: Locals) -> Row:

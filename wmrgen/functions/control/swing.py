@@ -56,7 +56,7 @@ from wmrgen.analysis.kinematics.steer import present
 from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.control.unicycle import drives
 from wmrgen.functions.models.axle import Axle, fixed_axle
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import along, rolling_row, working_view
 from wmrgen.geometry.exact.evaluate import add_angles
 from wmrgen.geometry.exact.poly import Poly, dot
@@ -128,7 +128,9 @@ def compensate_steering(robot: Robot, mobility: Mobility) -> Formula:
     steered = [w for w in robot.wheels if w.kind.steers]
     driven = [w for w in robot.wheels if "spin" in w.actuated and (w.kind.steers or w.kind.fixed_axle)]
     if not steered or not driven:
-        raise underivable(robot, "compensate_steering", "no wheel is steered, or none is driven")
+        raise underivable(
+            robot, "compensate_steering", "no wheel is steered, or none is driven", Reason.NOT_STEERED
+        )
     names = Locals()
     axle = car_axle(robot, mobility)
     text = "wheel speeds while wheels swing: the speeds of their pivots along the present steering angles"
@@ -146,7 +148,7 @@ def compensate_steering(robot: Robot, mobility: Mobility) -> Formula:
     unsteered = [w.name for w in driven if not w.kind.steers]
     if unsteered:
         why = f"{unsteered[0]} is driven and does not steer, which needs a robot that is steered as a car"
-        raise underivable(robot, "compensate_steering", why)
+        raise underivable(robot, "compensate_steering", why, Reason.NOT_A_CAR)
     inputs, outputs = dict[Port, None](), list[tuple[Port, Expr]]()
     for w in driven:
         lead = _lead(robot, w)
@@ -179,7 +181,7 @@ def _lead(robot: Robot, w: Wheel) -> Wheel:
             and groups[other.index] != groups[w.index]
         ):
             why = f"{w.name} and {other.name} share the motor of their spin, but not of their steering"
-            raise underivable(robot, "compensate_steering", why)
+            raise underivable(robot, "compensate_steering", why, Reason.SHARED_MOTOR)
     return robot.wheels[groups[w.index]]
 
 
@@ -202,13 +204,14 @@ def _rates(robot: Robot) -> list[tuple[Wheel, Interval | None]]:
     """Return the steered wheels with their limits of ``steer_rate``."""
     rates = [(w, robot.limit(w, "steer_rate")) for w in robot.wheels if w.kind.steers]
     if not rates:
-        raise underivable(robot, "steer_toward", "no wheel is steered")
+        raise underivable(robot, "steer_toward", "no wheel is steered", Reason.NOT_STEERED)
     limited = [(w, limit) for w, limit in rates if limit is not None]
     if not limited and not any(w.rolls_when_steered for w, _ in rates):
         raise underivable(
             robot,
             "steer_toward",
             "its wheels have no limit of steering rate; write limits: {steer_rate: 2} [rad/s]",
+            Reason.NO_LIMIT,
         )
     for w, limit in limited:
         if limit.low.sign > 0 or limit.high.sign < 0:
@@ -216,6 +219,7 @@ def _rates(robot: Robot) -> list[tuple[Wheel, Interval | None]]:
                 robot,
                 "steer_toward",
                 f"the limits of {w.name}.steer_rate do not let the wheel hold its angle",
+                Reason.ONE_SIDED_LIMIT,
             )
     return rates
 

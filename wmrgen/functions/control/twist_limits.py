@@ -24,7 +24,7 @@ from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.control.steering_stops import Reach, Stops, reach, steering_stops
 from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, scaled
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.exact.number import ONE, Exact
 from wmrgen.geometry.layout.records import Interval, Robot
 from wmrgen.geometry.ports import DT, TWIST, TWIST_NAMES, Limits, Port, Role
@@ -63,7 +63,7 @@ def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
     missing = [name for name, limit in limits.items() if limit is None]
     if robot.deadband and missing:
         why = f"its deadband is a share of the limits, and {missing[0]} has no limit"
-        raise underivable(robot, "limit_twist", why)
+        raise underivable(robot, "limit_twist", why, Reason.NO_LIMIT)
     asked: dict[str, Expr] = {name: signal(name) for name in limits}
     if bends is not None:
         parts = zip(TWIST_NAMES, bends.cut(names), strict=True)
@@ -242,6 +242,6 @@ def _limits(
     limits = {name: limits[name] for name, component in driven if component}
     if needed and not any(limits.values()):
         of = "the rates of vx, vy and omega" if ending else "vx, vy and omega"
-        raise underivable(robot, what, f"it has no limits of {of}; write limits: {example}")
+        raise underivable(robot, what, f"it has no limits of {of}; write limits: {example}", Reason.NO_LIMIT)
     refuse_one_sided(robot, what, ((f"{name}{ending}", limit) for name, limit in limits.items()))
     return limits

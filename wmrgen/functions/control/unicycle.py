@@ -20,7 +20,7 @@ from wmrgen.analysis.kinematics.records import Formula, Locals
 from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.control.gains import TEXTBOOK, judge, nominal_gains, shown
 from wmrgen.functions.models.axle import THROUGH_P, Axle, Vector, axle_of
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import nominal_view, rolling_row, working_view
 from wmrgen.geometry.exact.evaluate import number as nominal_number
 from wmrgen.geometry.exact.number import ZERO
@@ -67,10 +67,10 @@ def reference(robot: Robot, mobility: Mobility, name: str) -> Axle:
     ref = axle_of(fixed, working_view) if fixed else THROUGH_P
     if drives(robot, mobility, ref) or _skids(robot, mobility, fixed):
         return ref
-    why = "the axles of its wheels do not allow both driving straight and turning"
+    why, reason = "the axles of its wheels do not allow both driving straight and turning", Reason.AXLES
     if not mobility.degenerate and not fixed:
-        why = "its coupled wheels prevent it from turning"
-    raise underivable(robot, name, f"it needs a robot that can drive (v, 0, omega), but {why}")
+        why, reason = "its coupled wheels prevent it from turning", Reason.COUPLINGS
+    raise underivable(robot, name, f"it needs a robot that can drive (v, 0, omega), but {why}", reason)
 
 
 def drives(robot: Robot, mobility: Mobility, ref: Axle) -> bool:
@@ -172,10 +172,13 @@ def _require_stable(robot: Robot) -> None:
     verdict = judge(**gains)
     if not verdict.stable:
         raise underivable(
-            robot, "goto_pose", f"gains {shown(gains)} do not stabilise it. Violated: "
+            robot,
+            "goto_pose",
+            f"gains {shown(gains)} do not stabilise it. Violated: "
             f"{', '.join(verdict.violated)} (Siegwart (3.61)-(3.64)). Change `gains`, or delete it to use "
             f"{shown(TEXTBOOK)}.",
-        )  # fmt: skip
+            Reason.UNSTABLE_GAINS,
+        )
 
 
 def _gain(robot: Robot, name: str) -> Expr:

@@ -16,7 +16,7 @@ from wmrgen.analysis.kinematics.inverse import Joints, spins
 from wmrgen.analysis.kinematics.ranges import steering_spin
 from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import rolling_row, working_view
 from wmrgen.geometry.exact.number import ONE
 from wmrgen.geometry.exact.poly import Row, dot
@@ -93,22 +93,28 @@ def refuse_one_sided(robot: Robot, what: str, limits: Iterable[tuple[str, Interv
     for name, limit in limits:
         if limit is not None and not (limit.low.sign < 0 < limit.high.sign):
             raise underivable(
-                robot, what, f"the limits of {name} exclude one side of 0, and scaling cannot bring a value "
+                robot,
+                what,
+                f"the limits of {name} exclude one side of 0, and scaling cannot bring a value "
                 "of that side inside",
-            )  # fmt: skip
+                Reason.ONE_SIDED_LIMIT,
+            )
 
 
 def _rates(robot: Robot) -> list[tuple[Port, Interval | None]]:
     """Return the joint rates that `inverse` commands, each with its limit (None: unlimited)."""
     driven = [w for w in robot.wheels if "spin" in w.actuated]
     if not driven:
-        raise underivable(robot, "desaturate", "no wheel is driven")
+        raise underivable(robot, "desaturate", "no wheel is driven", Reason.NOT_DRIVEN)
     missing = [w.name for w in driven if robot.limit(w, "spin") is None]
     if missing:
         raise underivable(
-            robot, "desaturate", f"{', '.join(missing)} {'has' if len(missing) == 1 else 'have'} no limit of spin; "
+            robot,
+            "desaturate",
+            f"{', '.join(missing)} {'has' if len(missing) == 1 else 'have'} no limit of spin; "
             "write limits: {spin: 40} [rad/s] for the robot or for each wheel",
-        )  # fmt: skip
+            Reason.NO_LIMIT,
+        )
     joints = [(w, "spin") for w in robot.wheels if w.has_spin]
     joints += [(w, "steer_rate") for w in robot.wheels if w.kind.swivels]
     rates = [(joint_port(w, joint, Role.COMMAND), room(robot, w, joint, "desaturate")) for w, joint in joints]
@@ -155,5 +161,5 @@ def room(robot: Robot, w: Wheel, joint: str, what: str) -> Interval | None:
             f"steering {w.name} {taken} leaves no room inside its limit of spin; "
             "write a smaller limits: {steer_rate: …}"
         )
-        raise underivable(robot, what, why)
+        raise underivable(robot, what, why, Reason.LIMIT_TOO_NARROW)
     return Interval(limit.low + share, limit.high - share)

@@ -16,9 +16,8 @@ from wmrgen.analysis.mobility.analyse import fixed
 from wmrgen.analysis.mobility.basis import null_columns
 from wmrgen.analysis.mobility.ranks import generic, nominal_at, straight
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.polynomials import angles_in, by_steering, clean, cleaned
-from wmrgen.functions.registry import underivable
+from wmrgen.functions.registry import Reason, UnderivableError, underivable
 from wmrgen.geometry.constraints import (
     View,
     along,
@@ -78,13 +77,17 @@ def frame(robot: Robot, mobility: Mobility, symbolic: bool, virtual: tuple[Wheel
         NotDerivableError: If the robot cannot move, or if its couplings tie steering angles together.
     """
     if not mobility.degree_of_mobility:
-        raise NotDerivableError(f"{robot.name} cannot move (degree of mobility 0): it has no model of motion")
+        raise UnderivableError(
+            f"{robot.name} cannot move (degree of mobility 0): it has no model of motion", Reason.MOBILITY
+        )
     if len(mobility.basis_wheels) > mobility.degree_of_steerability:
         raise underivable(
-            robot, "model of motion with free steering rates",
+            robot,
+            "model of motion with free steering rates",
             f"its couplings tie the angles of {', '.join(mobility.basis_wheels)} together, and the degree of "
             f"steerability is {mobility.degree_of_steerability}",
-        )  # fmt: skip
+            Reason.COUPLINGS,
+        )
     if virtual:
         rows = list(constant_rows(robot, mobility))
         rows += [sliding_row(w, symbolic_view(w)).row for w in virtual]
@@ -119,11 +122,13 @@ def _pivot_velocity(frame: Frame, wheel: Wheel, column: Row) -> tuple[Poly, Poly
     terms = len(a.terms) + len(b.terms)
     if terms > MOST_TERMS:
         raise underivable(
-            frame.robot, "model of motion that can be written out",
+            frame.robot,
+            "model of motion that can be written out",
             f"the velocity of {wheel.name} has {terms} terms in the parameters, more than {MOST_TERMS}.\n"
             "  Give numbers for some of the lengths and angles, or simpler expressions; inverse and forward do not "
             "need it.",
-        )  # fmt: skip
+            Reason.TOO_LONG,
+        )
     return a, b
 
 

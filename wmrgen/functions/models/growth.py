@@ -10,10 +10,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.sheet import tidy
 from wmrgen.functions.models.vector_fields import Field, Slopes, bracket_by, generic_point, to_poly, value_at
-from wmrgen.functions.registry import system_builder
+from wmrgen.functions.registry import Reason, UnderivableError, system_builder
 from wmrgen.functions.system import System
 from wmrgen.geometry.exact.linalg import rank
 from wmrgen.geometry.exact.number import Exact
@@ -90,9 +89,10 @@ def growth(system: System, seed: int = 0, most: int = MOST_PRODUCTS) -> Growth:
         NotDerivableError: If the system has too many states, or if its brackets take more than ``most`` products.
     """
     if len(system.state) > MOST_STATES:
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{system.name} has {len(system.state)} states, and Lie brackets are formed for up to {MOST_STATES}. "
-            "If the robot has a chained form of n states (`chained`), the growth vector is (2, 3, ..., n)"
+            "If the robot has a chained form of n states (`chained`), the growth vector is (2, 3, ..., n)",
+            Reason.TOO_LONG,
         )
     state = tuple(p.name for p in system.state)
     values = {p.name: p.default for p in system.geometry if p.default is not None}
@@ -123,9 +123,10 @@ def growth(system: System, seed: int = 0, most: int = MOST_PRODUCTS) -> Growth:
             rates |= {b.name: slopes.jacobian(b.polys) for b in formed}
             work += sum(_products(a, rates[a.name], b, rates[b.name]) for a, b in pairs)
         if work > most:
-            raise NotDerivableError(
+            raise UnderivableError(
                 f"the Lie brackets of {system.name} have too many terms to be formed in symbols. "
-                "Each trailer that is coupled off the axle (`hitch`) doubles the number of terms"
+                "Each trailer that is coupled off the axle (`hitch`) doubles the number of terms",
+                Reason.TOO_LONG,
             )
         order = len(vector) + 1
         brackets = (
@@ -172,5 +173,5 @@ def robot_growth(robot: Robot, mobility: Mobility, most: int = MOST_PRODUCTS) ->
 def growing(robot: Robot, mobility: Mobility) -> System:
     """Return the model whose brackets are formed: posture in null-space coordinates, with trailers if there are any."""
     if not mobility.degree_of_mobility:
-        raise NotDerivableError(f"{robot.name} cannot move: it has no vector fields")
+        raise UnderivableError(f"{robot.name} cannot move: it has no vector fields", Reason.MOBILITY)
     return system_builder("trailer" if robot.trailers else "eta")(robot, mobility, True)

@@ -7,7 +7,7 @@ joints and the steering rates. If too few joints are driven, the null-space coor
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -43,7 +43,15 @@ Eta = tuple[Poly, ...]  # coordinates of a twist along the columns of N
 
 
 class UnderactuatedError(NotDerivableError):
-    """Fewer independent driven joints than degrees of mobility; the message says what is missing."""
+    """Fewer independent driven joints than degrees of mobility."""
+
+    def __init__(
+        self, what: str, driven: Sequence[str], dependent: Sequence[str], free: Sequence[str]
+    ) -> None:
+        super().__init__(what)
+        self.driven = tuple(driven)  # independent driven joints
+        self.dependent = tuple(dependent)  # driven joints that depend on the others
+        self.free = tuple(free)  # joints without a motor
 
 
 class Drive(NamedTuple):
@@ -217,7 +225,7 @@ def _choose(frame: Frame) -> tuple[list[Drive], list[str]]:
                 continue
         idle.append(name)
     if len(drives) < len(frame.columns):
-        raise UnderactuatedError(_missing(frame, drives, idle))
+        raise _underactuated(frame, drives, idle)
     return drives, idle
 
 
@@ -275,11 +283,12 @@ def _independent(rows: list[list[float]]) -> bool:
     return numeric_rank(scaled)[0] == len(rows)
 
 
-def _missing(frame: Frame, drives: list[Drive], idle: list[str]) -> str:
-    """Return the message: how many freedoms are driven, and which joints to actuate."""
+def _underactuated(frame: Frame, drives: list[Drive], idle: list[str]) -> UnderactuatedError:
+    """Return the error: how many freedoms are driven, and which joints to actuate."""
     robot, need = frame.robot, len(frame.columns)
     have = ", ".join(d.port.name for d in drives) or "nothing"
-    dependent = f"; {', '.join(idle)} adds no independent one" if idle else ""
+    are = "is" if len(idle) == 1 else "are"
+    dependent = f"; {', '.join(idle)} {are} not independent" if idle else ""
     free = [f"{w.name}.spin" for w in robot.wheels if w.has_spin and "spin" not in w.actuated]
     free += [f"{w.name}.steer_rate" for w in robot.wheels if w.kind.swivels and "steer" not in w.actuated]
     missing = need - len(drives)
@@ -288,4 +297,5 @@ def _missing(frame: Frame, drives: list[Drive], idle: list[str]) -> str:
         if free
         else f"{missing} more driven wheel{'s' if missing > 1 else ''} would be needed"
     )
-    return f"the driven joints move {len(drives)} of {need} freedoms ({have}{dependent}). Missing actuation: {advice}"
+    what = f"the driven joints move {len(drives)} of {need} freedoms ({have}{dependent}). Missing actuation: {advice}"
+    return UnderactuatedError(what, [d.port.name for d in drives], idle, free)

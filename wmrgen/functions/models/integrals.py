@@ -14,8 +14,7 @@ import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
-from wmrgen.functions.registry import function
+from wmrgen.functions.registry import Reason, UnderivableError, function
 from wmrgen.geometry.constraints import constrain, nominal_view, rolling_row, working_view
 from wmrgen.geometry.exact.evaluate import fix
 from wmrgen.geometry.exact.linalg import left_null_space
@@ -164,9 +163,10 @@ def wheel_angles(robot: Robot, mobility: Mobility) -> Formula:
     """
     twists = constant_twists(robot, mobility)
     if twists is None or mobility.dof == 3 or not twists or not rolling_wheels(robot):
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{robot.name} has no wheel_angles: they are functions of the position only for holonomic robots that do "
-            f"not turn freely (DOF < 3) and do not steer; this robot has DDOF {mobility.ddof}, DOF {mobility.dof}"
+            f"not turn freely (DOF < 3) and do not steer; this robot has DDOF {mobility.ddof}, DOF {mobility.dof}",
+            Reason.MOBILITY,
         )
     names = Locals()
     x, y, theta = (signal(p.name) for p in POSE)

@@ -39,7 +39,7 @@ from wmrgen.functions.models.inputs import Eta, Motion, best_motion, eta_motion
 from wmrgen.functions.models.polynomials import angles_in, clean, domain_of, essential, quotient
 from wmrgen.functions.models.tied import meeting
 from wmrgen.functions.models.virtual import steering_frame
-from wmrgen.functions.registry import function, system, underivable
+from wmrgen.functions.registry import Reason, function, system, underivable
 from wmrgen.functions.system import Domain, System, rate_port
 from wmrgen.geometry.constraints import (
     along,
@@ -302,12 +302,17 @@ def zeta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sys
     degrees = (mobility.degree_of_mobility, mobility.degree_of_steerability)
     if degrees != (1, 1):
         raise underivable(
-            robot, "zeta form", "it needs one freedom of driving and one steering coordinate, degrees (1, 1), but the "
+            robot,
+            "zeta form",
+            "it needs one freedom of driving and one steering coordinate, degrees (1, 1), but the "
             f"robot has {degrees}.",
-        )  # fmt: skip
+            Reason.ROBOT_TYPE,
+        )
     frame = steering_frame(robot, mobility, symbolic)
     if len(frame.wheels) != 1:
-        raise underivable(robot, "zeta form", "its steering coordinate is not one wheel's angle.")
+        raise underivable(
+            robot, "zeta form", "its steering coordinate is not one wheel's angle.", Reason.ROBOT_TYPE
+        )
     wheel = frame.wheels[0]
     turn, speed = _turn(frame, wheel)
     zeta = signal("zeta")

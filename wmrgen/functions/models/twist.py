@@ -19,7 +19,7 @@ from wmrgen.analysis.mobility.basis import led
 from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.posture import in_world
 from wmrgen.functions.models.tied import meeting, only_straight, tied
-from wmrgen.functions.registry import system, underivable
+from wmrgen.functions.registry import Reason, system, underivable
 from wmrgen.functions.system import System, rate_port
 from wmrgen.geometry.constraints import View, heading, sliding_row, symbolic_view, working_view
 from wmrgen.geometry.exact.poly import triple
@@ -188,7 +188,9 @@ def _free(robot: Robot, mobility: Mobility, view: View) -> tuple[tuple[Port, ...
     if not wheels:
         return TWIST, tuple((x, y, turn) for x, y, turn in units)
     if not parallel([w.zero_heading for w in wheels]):
-        raise underivable(robot, "model in twist inputs", "its fixed wheels point in different directions")
+        raise underivable(
+            robot, "model in twist inputs", "its fixed wheels point in different directions", Reason.AXLES
+        )
     heading = wheels[0].zero_heading
     dependent = 1 if abs(heading.real) > abs(heading.imag) else 0
     rows = [[expression(p) for p in sliding_row(w, view(w)).row] for w in wheels]

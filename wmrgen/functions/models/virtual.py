@@ -17,9 +17,8 @@ from wmrgen.analysis.mobility.analyse import fixed
 from wmrgen.analysis.mobility.configure import pivot_velocity
 from wmrgen.analysis.mobility.ranks import generic, nominal_at, numeric_rank, straight, unit_rows
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.frame import Frame, constant_rows, frame, steering_direction
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, UnderivableError, function, underivable
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.exact.poly import Poly, has_angles
 from wmrgen.geometry.layout.records import Geometry, Robot, T, Virtual, Wheel
@@ -90,15 +89,17 @@ def _check_parallel(robot: Robot, v: Virtual) -> None:
     for w in others:
         cross = float(first.nominal.ch * w.nominal.sh - first.nominal.sh * w.nominal.ch)
         if abs(cross) > _SMALL:
-            raise NotDerivableError(
+            raise UnderivableError(
                 f"{v.name} {v.role} {first.name} and {w.name}, whose rolling directions at zero are not parallel "
                 f"({first.heading:.6g} and {w.heading:.6g} rad): if {v.name} is straight, both must be straight.\n"
                 f"  Give {w.name} the heading of {first.name}; heading is the rolling direction at steering angle 0.",
+                Reason.NOT_PARALLEL,
                 v.mark,
             )
         if w.type != first.type:
-            raise NotDerivableError(
+            raise UnderivableError(
                 f"{v.name} {v.role} {first.name} ({first.type}) and {w.name} ({w.type}), which share no heading.",
+                Reason.NOT_PARALLEL,
                 v.mark,
             )
 
@@ -117,9 +118,10 @@ def _check_steerability(robot: Robot, mobility: Mobility, wheels: tuple[Virtual,
             f"the degree of steerability is {need}, so {len(wheels)} virtual angle{'s' if len(wheels) > 1 else ''} "
             "cannot determine the ICR: the Ackermann condition needs a fixed axle, on whose line the ICR is"
         )
-    raise NotDerivableError(
+    raise UnderivableError(
         f"{robot.name}: the virtual steering {names} of {members} violates the Ackermann condition: {why}.\n"
         f"  {'Delete it.' if not need else f'Name {need} virtual wheels, or steer the wheels one by one.'}",
+        Reason.ACKERMANN,
         wheels[0].mark,
     )
 
@@ -137,10 +139,11 @@ def _check_axle(robot: Robot, mobility: Mobility, v: Virtual) -> None:
         x, y = float(w.nominal.x), float(w.nominal.y)
         # The axle passes through (x, y) if the row's velocity component n . v_A does not depend on omega.
         if abs((k - (x * ny - y * nx)) / size) < _SMALL:
-            raise NotDerivableError(
+            raise UnderivableError(
                 f"{v.name} steers {', '.join(v.wheels)}, but {w.name} is at ({x:.6g}, {y:.6g}), on the axle line of "
                 "the fixed wheels: the ICR is on that line, so by the Ackermann condition the angle never changes.\n"
                 "  Place it off the axle (x, y).",
+                Reason.ACKERMANN,
                 v.mark,
             )
 
@@ -157,9 +160,10 @@ def _check_rank(robot: Robot, mobility: Mobility, wheels: tuple[Virtual, ...]) -
     rank = numeric_rank(unit_rows(np.array(matrix)))[0]
     if rank != 3 - mobility.degree_of_mobility:
         names = ", ".join(v.name for v in wheels)
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{robot.name}: the virtual steering {names} violates the Ackermann condition: its angle does not "
             f"determine the ICR (rank {rank}, the wheels themselves have {3 - mobility.degree_of_mobility}).",
+            Reason.ACKERMANN,
             wheels[0].mark,
         )
 
@@ -168,9 +172,10 @@ def _check_drive(robot: Robot, v: Virtual) -> None:
     """Require that a virtual drive has a driven wheel."""
     idle = [name for name in v.wheels if "spin" not in robot.wheel(name).actuated]
     if len(idle) == len(v.wheels):
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{v.name} drives {', '.join(v.wheels)}, none of which is driven.\n"
             f"  Write actuated: [spin] for {idle[0]}, or delete the virtual wheel.",
+            Reason.NOT_DRIVEN,
             v.mark,
         )
 
@@ -181,9 +186,12 @@ def virtual_steering(robot: Robot, mobility: Mobility) -> Formula:
     wheels = steering(robot)
     if not wheels:
         raise underivable(
-            robot, "virtual steering", "its file names no virtual wheel that steers.\n"
+            robot,
+            "virtual steering",
+            "its file names no virtual wheel that steers.\n"
             "  Write virtual: [{name: front, steers: [front_left, front_right]}].",
-        )  # fmt: skip
+            Reason.NO_VIRTUAL_WHEEL,
+        )
     coordinates = steering_frame(robot, mobility)
     followers = [w for w in robot.wheels if w.kind.steers]
     followers += [as_wheel(robot, v) for v in wheels[mobility.degree_of_steerability :]]

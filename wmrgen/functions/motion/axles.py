@@ -24,7 +24,7 @@ from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.polynomials import angles_in
 from wmrgen.functions.motion.icr import centre_ports
 from wmrgen.functions.motion.paths import path, sign
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import along, heading, working_view
 from wmrgen.geometry.exact.linalg import adjugate, mean, symmetric
 from wmrgen.geometry.exact.poly import Poly, Row, dot, triple
@@ -71,7 +71,10 @@ def axles(robot: Robot, mobility: Mobility) -> Formula:
         turned = angles_in(column)
         if turned - {w.name for w in steered}:
             raise underivable(
-                robot, "axles function", "its coupled castors allow a motion that depends on their angle"
+                robot,
+                "axles function",
+                "its coupled castors allow a motion that depends on their angle",
+                Reason.CASTOR,
             )
         twist = _one(column, with_axle, names)
     return _formula(robot, twist, steered, len(with_axle), names)
@@ -81,12 +84,14 @@ def _require_icr(robot: Robot, steered: list[Wheel], rank: int) -> None:
     """Raise NotDerivableError if the axles do not determine an ICR."""
     places = {w.pivot for w in steered}
     if rank == 3:
-        raise underivable(robot, "axles function", "its fixed wheels allow no motion at all")
+        raise underivable(robot, "axles function", "its fixed wheels allow no motion at all", Reason.MOBILITY)
     if rank < 2 and len(places) + rank < 2:
         raise underivable(
-            robot, "axles function",
+            robot,
+            "axles function",
             "its axles do not determine an ICR; it needs two axle lines, at least one of them steered",
-        )  # fmt: skip
+            Reason.AXLES,
+        )
 
 
 def _reach(wheels: list[Wheel], x: Poly, y: Poly, names: Locals) -> Expr:

@@ -50,7 +50,7 @@ from wmrgen.analysis.kinematics.sensing import (
 )
 from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.polynomials import by_angle
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import XI
 from wmrgen.geometry.exact.linalg import symmetric
 from wmrgen.geometry.exact.number import Exact
@@ -93,13 +93,17 @@ def forward_covariance(robot: Robot, _: Mobility) -> Formula:
             robot,
             "forward_covariance",
             "no sensed joint has noise; write noise: {spin: {proportional: 0.02, constant: 0.01 rad/s}}",
+            Reason.NO_NOISE,
         )
     names, measured = Locals(), measurements(robot)
     constant = measured.constant_normal
     rank = nominal_rank(measured.rows, robot).value if constant else generic_rank(measured)
     if rank < 3:
         raise underivable(
-            robot, "forward_covariance", "its sensed joints do not determine every component of the twist"
+            robot,
+            "forward_covariance",
+            "its sensed joints do not determine every component of the twist",
+            Reason.UNOBSERVABLE,
         )
     blocks = [_block(m, robot, names) for m in measured.all]
     inverse = (_constant_inverse if constant else _moving_inverse)(measured, names)

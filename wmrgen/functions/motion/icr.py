@@ -26,7 +26,7 @@ from wmrgen.analysis.mobility.admissible import along
 from wmrgen.analysis.mobility.ranks import numeric_rank, unit_rows
 from wmrgen.analysis.mobility.records import Array, Mobility
 from wmrgen.functions.motion.paths import FARTHEST, SLOWEST, path
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.ports import TWIST, TWIST_NAMES, Port, Role, output
 from wmrgen.geometry.symbolic import absolute, add, maximum, norm, over, signal, subtract, times
@@ -82,7 +82,7 @@ def steer_to(robot: Robot, mobility: Mobility) -> Formula:
     """
     steers = {f"{w.name}.steer" for w in robot.wheels if w.kind.steers}
     if not steers:
-        raise underivable(robot, "steer_to", "none of its wheels is steered")
+        raise underivable(robot, "steer_to", "none of its wheels is steered", Reason.NOT_STEERED)
     names, drive = Locals(), inverse(robot, mobility)
     twist = {"vx": signal("icr.y"), "vy": times(-1, signal("icr.x")), "omega": signal("icr.w")}
     commands = names.adopt(drive, twist)

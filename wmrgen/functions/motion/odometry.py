@@ -35,7 +35,7 @@ from wmrgen.analysis.kinematics.pose import increments, odometry, rate_per_chang
 from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port
 from wmrgen.analysis.kinematics.sensing import sensed_joints
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.layout.records import Encoder, Robot, Wheel
 from wmrgen.geometry.ports import DT, GYRO, POSE, TWIST, Limits, Port, Role, output
 from wmrgen.geometry.symbolic import (
@@ -183,7 +183,7 @@ def joints_from_counts(robot: Robot, _: Mobility) -> Formula:
             outputs.append((joint_port(w, "steer_rate", Role.COMMAND), times(per_time, angle)))
     if not outputs:
         why = "no wheel has an encoder; write encoder: {spin: {counts: 4096, gear: 30}}"
-        raise underivable(robot, "joints_from_counts", why)
+        raise underivable(robot, "joints_from_counts", why, Reason.NO_ENCODER)
     timed = any(port.unit == "rad/s" for port, _ in outputs)
     text = "counts of encoders to the joint rates and angles that forward takes"
     return names.formula("joints_from_counts", (*states, *counts, *([step] if timed else [])), outputs, text)

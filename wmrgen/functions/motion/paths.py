@@ -31,7 +31,7 @@ from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.analysis.kinematics.sensing import measurements
 from wmrgen.analysis.mobility.ranks import numeric_rank, unit_of
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.exact.evaluate import number as nominal_number
 from wmrgen.geometry.exact.poly import Poly, Row, triple
 from wmrgen.geometry.layout.records import Robot
@@ -182,15 +182,26 @@ def heading(robot: Robot, _: Mobility) -> Formula:
     measured = measurements(robot)
     if not measured.constant_normal:
         raise underivable(
-            robot, "heading function", "its yaw rate depends on joint angles that change during the motion"
+            robot,
+            "heading function",
+            "its yaw rate depends on joint angles that change during the motion",
+            Reason.UNOBSERVABLE,
         )
     if not _sees_yaw(robot, [row for row, _, _ in measured.rows]):
-        raise underivable(robot, "heading function", "the sensed wheel speeds do not determine its yaw rate")
+        raise underivable(
+            robot,
+            "heading function",
+            "the sensed wheel speeds do not determine its yaw rate",
+            Reason.UNOBSERVABLE,
+        )
     formula, names = forward(robot), Locals()
     joints = {signal(p.name) for p in formula.inputs if p.name.endswith((".steer", ".steer_rate"))}
     if joints & formula.closed()["omega"].free_symbols:
         raise underivable(
-            robot, "heading function", "its yaw rate depends on steering angles that change during the motion"
+            robot,
+            "heading function",
+            "its yaw rate depends on steering angles that change during the motion",
+            Reason.UNOBSERVABLE,
         )
     text = "angle of the wheel about its axle since the heading was theta"
     angles = {

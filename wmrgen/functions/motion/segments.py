@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from wmrgen.errors import UsageError
-from wmrgen.functions.registry import underivable
+from wmrgen.functions.registry import Reason, underivable
 from wmrgen.geometry.exact.number import ZERO, Exact
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.ports import TWIST_NAMES
@@ -88,7 +88,7 @@ def plan(robot: Robot, segments: Sequence[Segment], call: Call, start: Triple, s
     for w in robot.wheels:
         if w.kind.swivels and w.actuated:
             why = f"the commands of its castor {w.name} change during a constant twist"
-            raise underivable(robot, "segments", why)
+            raise underivable(robot, "segments", why, Reason.CASTOR)
     phases: list[Phase] = []
     pose = start
     now = {w.name: steers.get(w.name, ZERO) for w in robot.wheels if w.turns}

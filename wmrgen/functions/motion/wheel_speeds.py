@@ -24,7 +24,7 @@ from wmrgen.analysis.mobility.basis import IDENTITY, primitive
 from wmrgen.analysis.mobility.ranks import generic, independent, nominal_at, numeric_rank, to_array, unit_rows
 from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.polynomials import NEGLIGIBLE, angles_in, clean
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import (
     View,
     driving_row,
@@ -121,9 +121,10 @@ def compatibility(robot: Robot, mobility: Mobility) -> Formula:
     driven, rows = _driven(robot), relations(robot, mobility)
     if not rows:
         raise underivable(
-            robot, "compatibility rows",
+            robot,
+            "compatibility rows",
             f"the driven wheel speeds are independent (driven: {', '.join(w.name for w in driven) or 'none'})",
-        )  # fmt: skip
+        )
     spins = [signal_poly(f"{w.name}.spin") for w in driven]
     outputs = []
     for k, row in enumerate(rows, 1):
@@ -147,14 +148,18 @@ def _require_translations(robot: Robot, mobility: Mobility) -> None:
     """Raise NotDerivableError if the rim speeds do not determine every translation by constant rows."""
     if mobility.degree_of_mobility != 3:
         why = f"it cannot translate in every direction (mobility {mobility.degree_of_mobility}, not 3)"
-        raise underivable(robot, "vaf", why)
+        raise underivable(robot, "vaf", why, Reason.MOBILITY)
     driven = _driven(robot)
     for w in driven:
         if w.turns:
-            raise underivable(robot, "vaf", f"the rim speed of {w.name} changes with its steering angle")
+            raise underivable(
+                robot, "vaf", f"the rim speed of {w.name} changes with its steering angle", Reason.AXLES
+            )
     rims = [[p.constant or ZERO for p in _rim(w, nominal_view)] for w in driven]
     if numeric_rank(to_array([[*rim, ZERO] for rim in rims]))[0] < 2:
-        raise underivable(robot, "vaf", "in one direction it can move without turning a driven wheel")
+        raise underivable(
+            robot, "vaf", "in one direction it can move without turning a driven wheel", Reason.NOT_DRIVEN
+        )
 
 
 @function("Tzafestas 2.4.1, (2.71)")

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.functions.registry import underivable
+from wmrgen.functions.registry import Reason, underivable
 from wmrgen.functions.space.wheel_motion import AXES, FORCE, Vector, cross, dot, input_vector
 from wmrgen.geometry.layout.records import Point, Robot, Wheel
 from wmrgen.geometry.layout.skid import parallel
@@ -89,14 +89,14 @@ def _hanging(robot: Robot, cg: Point, two: Axle) -> _Hanging:
     lowest = two.right.nominal.r - cg.z.nominal
     if len({w.working.r.key for w in robot.wheels}) > 1:
         why = "it stands on one axle, and its wheels have different radii, so the axle may be inclined"
-        raise underivable(robot, "stability", why)
+        raise underivable(robot, "stability", why, Reason.AXLES)
     if lowest.sign <= 0:
         why = (
             f"its {len(robot.wheels)} contacts do not span a support polygon, and its centre of gravity is not below "
             "the axle: it stands only while a controller balances it.\n"
             "  A robot on one axle stands by itself if z of cg is less than the radius of its wheels."
         )
-        raise underivable(robot, "stability", why)
+        raise underivable(robot, "stability", why, Reason.CENTRE_OF_GRAVITY)
     g, n = two.right.working, two.right.nominal
     x, y, z = (length.working for length in cg)
     offset = (cg.x.nominal - n.x) * n.ch + (cg.y.nominal - n.y) * n.sh
@@ -104,7 +104,7 @@ def _hanging(robot: Robot, cg: Point, two: Axle) -> _Hanging:
         why = (
             "its centre of gravity is as far from the axle as the ground: the body cannot hang from the axle"
         )
-        raise underivable(robot, "stability", why)
+        raise underivable(robot, "stability", why, Reason.CENTRE_OF_GRAVITY)
     ahead = (x - g.x) * g.ch + (y - g.y) * g.sh
     right, left = ((y - w.working.y) * g.ch - (x - w.working.x) * g.sh for w in two)
     arm = root(expression(ahead * ahead + (g.r - z) * (g.r - z)))

@@ -27,7 +27,7 @@ import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.functions.space.pendulum import axle, hanging_stability
 from wmrgen.functions.space.wheel_motion import (
     AXES,
@@ -98,9 +98,12 @@ def edges(robot: Robot, places: list[Spot]) -> list[Edge]:
     result = [edge for a, b in pairs if (edge := _edge(a, b, places)) is not None]
     if len({e.start.wheel.index for e in result}) < 3:
         raise underivable(
-            robot, "stability", f"its {len(places)} contacts do not span a support polygon; "
+            robot,
+            "stability",
+            f"its {len(places)} contacts do not span a support polygon; "
             "a robot stands on at least three contacts that are not in one line",
-        )  # fmt: skip
+            Reason.NO_POLYGON,
+        )
     return result
 
 

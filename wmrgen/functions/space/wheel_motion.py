@@ -17,7 +17,7 @@ import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import arm, working_view
 from wmrgen.geometry.exact.evaluate import add_angles
 from wmrgen.geometry.exact.poly import Poly, triple
@@ -216,9 +216,9 @@ def centre_of_gravity(robot: Robot, name: str) -> Vector:
     """Return ``cg`` of the robot file. Raise NotDerivableError without one, or with one on the ground."""
     if robot.cg is None:
         why = "it needs the centre of gravity; write cg: {x: 0, y: 0, z: 0.3}, z above the ground"
-        raise underivable(robot, name, why)
+        raise underivable(robot, name, why, Reason.NO_CENTRE_OF_GRAVITY)
     if robot.cg.z.nominal.sign <= 0:
-        raise underivable(robot, name, "cg is not above the ground (z > 0)")
+        raise underivable(robot, name, "cg is not above the ground (z > 0)", Reason.CENTRE_OF_GRAVITY)
     return triple(expression(p.working) for p in robot.cg)
 
 

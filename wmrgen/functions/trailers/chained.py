@@ -18,8 +18,7 @@ import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
-from wmrgen.functions.registry import function
+from wmrgen.functions.registry import Reason, UnderivableError, function
 from wmrgen.functions.trailers.train import TrainTerms, V, terms_of, train
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.ports import TWIST, Port, output
@@ -133,9 +132,10 @@ def _chain_of_three(robot: Robot, mobility: Mobility) -> TrainTerms:
     """Return the terms of a (2,3) chain. Raise NotDerivableError for any other robot."""
     t = train(robot, mobility, what=INTEGRATOR)
     if not t.by_heading:
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{robot.name}: {INTEGRATOR} is equivalent to the (2,3) chain of a (2, 0) robot without trailers "
-            f"(Tzafestas (2.65)); this robot has {t.size} states, and its form is the (2,{t.size}) chain: `chained`"
+            f"(Tzafestas (2.65)); this robot has {t.size} states, and its form is the (2,{t.size}) chain: `chained`",
+            Reason.ROBOT_TYPE,
         )
     return terms_of(t)
 

@@ -15,10 +15,10 @@ import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, parameter_ports, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.inputs import eta_motion
 from wmrgen.functions.models.sheet import Equation, Sheet, tidy
 from wmrgen.functions.models.vector_fields import at_point, by_state, to_poly
+from wmrgen.functions.registry import Reason, UnderivableError
 from wmrgen.functions.system import Domain
 from wmrgen.functions.trailers.chained import U, chained, chained_input, chained_rates
 from wmrgen.functions.trailers.trailer import towing_system
@@ -161,7 +161,7 @@ def verify(robot: Robot, mobility: Mobility, points: int = POINTS) -> Verificati
     try:
         residuals = [r for seed in range(points) for r in _residuals(t, mobility, functions, seed)]
     except ValueError as error:
-        raise NotDerivableError(f"{robot.name}: not verifiable exactly: {error}") from error
+        raise UnderivableError(f"{robot.name}: not verifiable exactly: {error}", Reason.OTHER) from error
     return Verification(points, tuple(residuals))
 
 

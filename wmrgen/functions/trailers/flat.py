@@ -14,8 +14,7 @@ import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
-from wmrgen.functions.registry import function
+from wmrgen.functions.registry import Reason, UnderivableError, function
 from wmrgen.functions.system import Gate, rate_port
 from wmrgen.functions.trailers.train import Steering, Train, V, train
 from wmrgen.geometry.layout.records import Robot
@@ -90,14 +89,16 @@ def flat(robot: Robot, mobility: Mobility) -> Formula:
     if mobility.robot_type == (3, 0):
         return _pose(robot)
     if mobility.robot_type in ((2, 1), (1, 2)) or _translates(robot, mobility):
-        raise NotDerivableError(
-            f"{robot.name} has the flat outputs {claim.outputs}; `inverse` returns its joints for the twist"
+        raise UnderivableError(
+            f"{robot.name} has the flat outputs {claim.outputs}; `inverse` returns its joints for the twist",
+            Reason.FLAT_OUTPUTS,
         )
     t = train(robot, mobility, what="a flat output")
     if t.robot.trailers:
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{robot.name} has the flat outputs {claim.outputs}; the formulas for states and inputs exist only for "
-            "robots without trailers. `chained_input` steers the last axle through derivatives of its path"
+            "robots without trailers. `chained_input` steers the last axle through derivatives of its path",
+            Reason.FLAT_OUTPUTS,
         )
     return _axle(robot, t, claim)
 

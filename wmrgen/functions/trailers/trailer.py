@@ -28,14 +28,13 @@ import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.axle import THROUGH_P, Axle, Vector, fixed_axle, leading_axle
 from wmrgen.functions.models.inputs import Motion, best_motion
 from wmrgen.functions.models.polynomials import whole, without_lengths
 from wmrgen.functions.models.posture import posture_rates, system_of
 from wmrgen.functions.models.sheet import LONGEST
 from wmrgen.functions.models.vector_fields import to_poly
-from wmrgen.functions.registry import function, system, underivable
+from wmrgen.functions.registry import Reason, UnderivableError, function, system, underivable
 from wmrgen.functions.system import Domain, System, rate_port, with_guards
 from wmrgen.geometry.constraints import working_view
 from wmrgen.geometry.exact.poly import Poly
@@ -64,15 +63,17 @@ def check_trailers(robot: Robot, mobility: Mobility) -> None:
         return
     names = ", ".join(t.name for t in robot.trailers)
     if mobility.degree_of_mobility == 3:
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{robot.name} cannot tow {names}: its degree of mobility is 3, and a robot that can move sideways at any "
             "time has no axle that leads a trailer: if the robot moves sideways, the trailer jack-knifes.\n"
             "  Delete `trailers`; they need a body with fixed or steered wheels, degree of mobility 1 or 2.",
+            Reason.MOBILITY,
             robot.trailers[0].mark,
         )
     if not mobility.degree_of_mobility:
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{robot.name} cannot tow {names}: its degree of mobility is 0, it cannot move.",
+            Reason.MOBILITY,
             robot.trailers[0].mark,
         )
 
@@ -80,8 +81,9 @@ def check_trailers(robot: Robot, mobility: Mobility) -> None:
 def require_trailers(robot: Robot, mobility: Mobility) -> None:
     """Raise NotDerivableError if the file has no trailers, or for a body that cannot tow."""
     if not robot.trailers:
-        raise NotDerivableError(
-            f"{robot.name} has no trailers.\n  Write trailers: [{{length: 1.1}}] in its file; hitch: 0 is on the axle."
+        raise UnderivableError(
+            f"{robot.name} has no trailers.\n  Write trailers: [{{length: 1.1}}] in its file; hitch: 0 is on the axle.",
+            Reason.NO_TRAILERS,
         )
     check_trailers(robot, mobility)
 
@@ -310,7 +312,7 @@ def steady_circle(robot: Robot, mobility: Mobility) -> Formula:
     require_trailers(robot, mobility)
     if fixed_axle(robot, mobility, working_view) is None:
         why = "its body has no fixed axle that leads the trailers"
-        raise underivable(robot, "steady circle in closed form", why)
+        raise underivable(robot, "steady circle in closed form", why, Reason.AXLES)
     names = Locals()
     kappa = signal("curvature")
     bend = names.define("curvature_squared", square(kappa))

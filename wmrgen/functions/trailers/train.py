@@ -19,10 +19,10 @@ from wmrgen.analysis.kinematics.records import Locals
 from wmrgen.analysis.mobility.analyse import fixed
 from wmrgen.analysis.mobility.ranks import nominal_at, straight
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.axle import Axle, Vector, fixed_axle
 from wmrgen.functions.models.frame import constant_rows
 from wmrgen.functions.models.virtual import steering_frame
+from wmrgen.functions.registry import Reason, UnderivableError
 from wmrgen.functions.system import Gate
 from wmrgen.functions.trailers.series import NARROW, Link, Path, path
 from wmrgen.functions.trailers.trailer import behind, check_trailers, in_view, state_ports
@@ -102,16 +102,18 @@ def train(robot: Robot, mobility: Mobility, symbolic: bool = False, what: str = 
     axle = _axle(robot, mobility, what, symbolic)
     off = [t for t in robot.trailers if t.hitch.nominal]
     if len(off) > 1:
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{robot.name}: {what} is not known for more than one trailer coupled off the axle "
             f"({', '.join(t.name for t in off)}): such trains are not flat in general (Rouchon, Fliess, Levine, Martin "
-            "1993). `hitch: 0` couples a trailer on the axle in front, for which it exists"
+            "1993). `hitch: 0` couples a trailer on the axle in front, for which it exists",
+            Reason.HITCH,
         )
     if off:
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{robot.name}: {off[0].name} is coupled {float(off[0].hitch.nominal):.6g} m off the axle, and {what} is "
             "built on the last axle, which needs trailers coupled on the axle (hitch: 0). A train with one trailer "
-            "coupled off the axle is flat with another output, which is not derived here"
+            "coupled off the axle is flat with another output, which is not derived here",
+            Reason.HITCH,
         )
     steering = _steering(robot, mobility, axle, symbolic) if mobility.degree_of_steerability else None
     return Train(robot, axle, steering, symbolic)
@@ -193,18 +195,21 @@ def links_of(t: Train) -> list[Link]:
 def _axle(robot: Robot, mobility: Mobility, what: str, symbolic: bool = False) -> Axle:
     """Return the fixed axle of a (2, 0) or (1, 1) body. Raise NotDerivableError, with the reason, for others."""
     if mobility.robot_type not in ((2, 0), (1, 1)):
-        raise NotDerivableError(
-            f"{robot.name}: {what} is known for the types (2, 0) and (1, 1); {_type(mobility)}"
+        raise UnderivableError(
+            f"{robot.name}: {what} is known for the types (2, 0) and (1, 1); {_type(mobility)}",
+            Reason.ROBOT_TYPE,
         )
     rows = constant_rows(robot, mobility)
     if len(rows) != 1 or has_angles(rows[0]):
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{robot.name}: {what} is built on a fixed axle, and this robot of type (1, 1) has none: no fixed wheel "
-            "constrains it"
+            "constrains it",
+            Reason.ROBOT_TYPE,
         )
     if mobility.dof < 3:
-        raise NotDerivableError(
-            f"{robot.name}: {what} needs a robot that can turn; this robot only translates (DOF {mobility.dof})"
+        raise UnderivableError(
+            f"{robot.name}: {what} needs a robot that can turn; this robot only translates (DOF {mobility.dof})",
+            Reason.ROBOT_TYPE,
         )
     return fixed_axle(robot, mobility, symbolic_view if symbolic else working_view) or _of_row(
         robot, rows[0] if symbolic else fixed(rows[0], robot)

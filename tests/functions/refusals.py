@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from wmrgen.errors import WmrgenError
+from wmrgen.errors import Code, RobotFileError, WmrgenError
 from wmrgen.functions.registry import Reason, UnderivableError
 
 
@@ -19,6 +19,17 @@ def refused(reason: Reason, *names: str) -> Iterator[None]:
         yield
     assert caught.value.reason is reason
     assert missing_names(caught.value, names) == []
+
+
+@contextmanager
+def mistaken(code: Code, place: str, *names: str) -> Iterator[None]:
+    """Expect a RobotFileError with a code, whose mark is where the line goes on with ``place``."""
+    with pytest.raises(RobotFileError) as caught:
+        yield
+    error = caught.value
+    assert error.code == code and error.mark is not None
+    assert error.mark.text[error.mark.column - 1 :].startswith(place)
+    assert missing_names(error, names) == []
 
 
 def missing_names(error: WmrgenError, names: tuple[str, ...]) -> list[str]:

@@ -59,8 +59,8 @@ class Declaration(NamedTuple):
     contacts: bool
 
 
-_FUNCTIONS: dict[str, Declaration] = {}
-_SYSTEMS: dict[str, SystemBuilder] = {}
+FUNCTIONS: dict[str, Declaration] = {}  # declared so far; `names` and `declaration` import what is missing
+SYSTEMS: dict[str, SystemBuilder] = {}
 
 
 def function(
@@ -87,12 +87,12 @@ def function(
 
     def declare(build: Builder) -> Builder:
         name = build.__name__
-        other = _FUNCTIONS.get(name)
+        other = FUNCTIONS.get(name)
         if other is not None and other.build.__module__ != build.__module__:
             raise ValueError(
                 f"function {name} of {build.__module__} is already declared in {other.build.__module__}"
             )
-        _FUNCTIONS[name] = Declaration(name, build, source, kind, limits, exists, in_place, contacts)
+        FUNCTIONS[name] = Declaration(name, build, source, kind, limits, exists, in_place, contacts)
         return build
 
     return declare
@@ -102,7 +102,7 @@ def system(name: str) -> Callable[[_SystemBuilder], _SystemBuilder]:
     """Declare the decorated builder as that of the model ``name``, a control system q' = G(q) u."""
 
     def declare(build: _SystemBuilder) -> _SystemBuilder:
-        _SYSTEMS[name] = build
+        SYSTEMS[name] = build
         return build
 
     return declare
@@ -171,31 +171,31 @@ def declaration(name: str) -> Declaration:
     if not has_function(name):
         what = f"there is no function {quoted(name)}"
         raise RobotFileError(what, instead=suggestion(name, names()), code=Code.UNDECLARED)
-    return _FUNCTIONS[name]
+    return FUNCTIONS[name]
 
 
 def has_function(name: str) -> bool:
     """Return whether a function is called ``name``."""
-    return _declared(name, _FUNCTIONS)
+    return _declared(name, FUNCTIONS)
 
 
 def has_system(name: str) -> bool:
     """Return whether a model is called ``name``."""
-    return _declared(name, _SYSTEMS)
+    return _declared(name, SYSTEMS)
 
 
 def system_builder(name: str) -> SystemBuilder:
     """Return the builder of the model called ``name``. Raise UsageError if there is none."""
     if not has_system(name):
         names()  # every module declares its models
-        raise UsageError(f"models have no form {quoted(name)}. {suggestion(name, sorted(_SYSTEMS))}")
-    return _SYSTEMS[name]
+        raise UsageError(f"models have no form {quoted(name)}. {suggestion(name, sorted(SYSTEMS))}")
+    return SYSTEMS[name]
 
 
 def standard() -> tuple[Declaration, ...]:
     """Return the functions that are generated for every robot, in the order in which they are emitted."""
     import_module(f"{__package__}.standard")
-    return tuple(d for d in _FUNCTIONS.values() if d.kind is not Kind.OPTIONAL)
+    return tuple(d for d in FUNCTIONS.values() if d.kind is not Kind.OPTIONAL)
 
 
 def names() -> tuple[str, ...]:
@@ -203,12 +203,12 @@ def names() -> tuple[str, ...]:
     first = tuple(d.name for d in standard())
     for path in _sources():
         import_module(path)
-    return (*first, *sorted(_FUNCTIONS.keys() - set(first)))
+    return (*first, *sorted(FUNCTIONS.keys() - set(first)))
 
 
 def optional_names() -> tuple[str, ...]:
     """Return the functions that a robot file may list under `functions`."""
-    return tuple(name for name in names() if _FUNCTIONS[name].kind is not Kind.FIRMWARE)
+    return tuple(name for name in names() if FUNCTIONS[name].kind is not Kind.FIRMWARE)
 
 
 def check(requests: Iterable[FunctionSpec]) -> None:
@@ -218,13 +218,13 @@ def check(requests: Iterable[FunctionSpec]) -> None:
         with collector:
             if not has_function(request.name):
                 near, instead = nearest(request.name, names()), suggestion(request.name, optional_names())
-                if near and _FUNCTIONS[near].kind is Kind.FIRMWARE:
+                if near and FUNCTIONS[near].kind is Kind.FIRMWARE:
                     instead = f"Leave it out if {near} is meant, which is generated for every robot."
                 raise RobotFileError(
                     f"there is no function {quoted(request.name)}", request.mark,
                     instead=instead, code=Code.UNDECLARED,
                 )  # fmt: skip
-            if _FUNCTIONS[request.name].kind is Kind.FIRMWARE:
+            if FUNCTIONS[request.name].kind is Kind.FIRMWARE:
                 raise RobotFileError(
                     f"{request.name} is generated for every robot", request.mark, instead="Leave it out here."
                 )

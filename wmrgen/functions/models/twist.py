@@ -144,7 +144,7 @@ def goes_straight(mobility: Mobility) -> bool:
 def where_it_slides(mobility: Mobility) -> str:
     """Return a sentence on the motions that a form without sliding does not cover."""
     return (
-        f"wheels slide, which they do in every {'curve' if goes_straight(mobility) else 'motion except one'}"
+        f"wheels slide, as they do in every {'curve' if goes_straight(mobility) else 'motion but one'}"
     )
 
 

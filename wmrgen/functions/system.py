@@ -57,7 +57,10 @@ class System(NamedTuple):
     def rates(self) -> tuple[Expr, ...]:
         """Return q' as expressions in state, inputs and geometry, in the order of the state."""
         pairs = [(field, signal(u.name)) for field, u in zip(self.fields, self.inputs, strict=True)]
-        return tuple(add(*(times(field[i], u) for field, u in pairs)) for i in range(len(self.state)))
+        rates = []
+        for i in range(len(self.state)):
+            rates.append(add(*(times(field[i], u) for field, u in pairs)))
+        return tuple(rates)
 
     def formula(self, guards: bool = True) -> Formula:
         """Return the function from state and inputs to the rates of the state.
@@ -81,7 +84,7 @@ class Lag(NamedTuple):
     constant: Exact  # time constant [s]
 
 
-def of_commands(text: str, lags: Mapping[str, Lag]) -> str:
+def with_commands(text: str, lags: Mapping[str, Lag]) -> str:
     """Return a description of a model with commands in place of the rates that follow from them."""
     for name, lag in lags.items():
         text = text.replace(name, lag.command.name)

@@ -64,7 +64,7 @@ _OUTPUTS = (
 )
 
 
-class _Car(NamedTuple):
+class _CarLimits(NamedTuple):
     """The car's geometry and limits."""
 
     base: Expr  # L [m]
@@ -79,7 +79,7 @@ def input_limits(robot: Robot, mobility: Mobility) -> Formula:
     """Return bounds, margins and the nearest commands in the exact and the inner set, for v and omega."""
     ref = reference(robot, mobility, "input_limits")
     names = Locals()
-    car = _car(robot, ref, names)
+    car = _car_limits(robot, ref, names)
     v, turn = signal("v"), names.define("turn", times(car.base, signal("omega")))
     a, b = names.define("v_size", absolute(v)), names.define("turn_size", absolute(turn))
     v_max = names.define("v_inner", times(car.top, car.cos))
@@ -99,7 +99,7 @@ def input_limits(robot: Robot, mobility: Mobility) -> Formula:
 
 
 def _nearest(
-    car: _Car, sizes: tuple[Expr, Expr], slope: Expr, v_max: Expr, over_base: Expr, names: Locals
+    car: _CarLimits, sizes: tuple[Expr, Expr], slope: Expr, v_max: Expr, over_base: Expr, names: Locals
 ) -> tuple[Expr, Expr, Expr, Expr]:
     """Return (v, omega) of the nearest points of the exact and of the inner set, in (v, L omega).
 
@@ -127,7 +127,7 @@ def _nearest(
     )
 
 
-def _car(robot: Robot, ref: Axle, names: Locals) -> _Car:
+def _car_limits(robot: Robot, ref: Axle, names: Locals) -> _CarLimits:
     """Return what the limits of the robot file allow a wheel on the centre line."""
     base = wheelbase(robot, ref)
     steered = [w for w in robot.wheels if w.kind.steers]
@@ -137,15 +137,17 @@ def _car(robot: Robot, ref: Axle, names: Locals) -> _Car:
             "its bounds are defined for a car: a fixed axle, and steered wheels on one line across it",
             Reason.NOT_A_CAR,
         )
-    bend = names.define("sharpest", _least([_sharpest(robot, w, ref) for w in steered]))
+    bend = names.define("sharpest", _smallest([_largest_curvature(robot, w, ref) for w in steered]))
     length = names.define("wheelbase_size", absolute(expression(base)))
     tan = names.define("tan_zeta", times(length, bend))
     cos = names.define("cos_zeta", 1 / root(add(sympy.S.One, square(tan))))
-    top = _least(_tops(robot, steered, ref, bend))
-    return _Car(length, tan, cos, names.define("sin_zeta", times(tan, cos)), names.define("u1_max", top))
+    top = _smallest(_speed_bounds(robot, steered, ref, bend))
+    return _CarLimits(
+        length, tan, cos, names.define("sin_zeta", times(tan, cos)), names.define("u1_max", top)
+    )
 
 
-def _least(values: list[Expr]) -> Expr:
+def _smallest(values: list[Expr]) -> Expr:
     """Return the smallest value; equal values are written once."""
     return reduce(lambda least, value: least if value == least else minimum(least, value), values)
 
@@ -154,7 +156,7 @@ def _refusal(robot: Robot, why: str, reason: Reason) -> NotDerivableError:
     return underivable(robot, "input_limits", why, reason)
 
 
-def _sharpest(robot: Robot, w: Wheel, ref: Axle) -> Expr:
+def _largest_curvature(robot: Robot, w: Wheel, ref: Axle) -> Expr:
     """Return the largest curvature [1/m] that the steering limit of one wheel allows to both sides.
 
     A wheel at (x, y) from the axle centre points along (1 - k y, k x) on the circle of curvature k.
@@ -186,7 +188,7 @@ def _sharpest(robot: Robot, w: Wheel, ref: Axle) -> Expr:
     return times(tan, 1 / add(absolute(x), times(tan, absolute(y))))
 
 
-def _tops(robot: Robot, steered: list[Wheel], ref: Axle, bend: Expr) -> list[Expr]:
+def _speed_bounds(robot: Robot, steered: list[Wheel], ref: Axle, bend: Expr) -> list[Expr]:
     """Return bounds of u1 [m/s]: `vx` of the robot, and r spin of each steered wheel.
 
     A wheel beside the centre line runs up to 1 + |y| bend times as fast as a wheel on the line.

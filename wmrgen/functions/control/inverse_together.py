@@ -153,13 +153,11 @@ def _direction(units: list[_Unit], names: Locals) -> Expr:
     limited = [(u.angles, u.limits) for u in units if u.limits is not None]
     if not limited:
         return along
-    forwards, backwards = (
-        names.define(
-            f"over_{way}",
-            reduce(maximum, [_beyond(angles[way], limits) for angles, limits in limited], _ZERO),
-        )
-        for way in WAYS
-    )
+    excess = {}
+    for way in WAYS:
+        beyond = [_beyond(angles[way], limits) for angles, limits in limited]
+        excess[way] = names.define(f"over_{way}", reduce(maximum, beyond, _ZERO))
+    forwards, backwards = excess["forwards"], excess["backwards"]
     stay = number(max(_TIE, *(hysteresis(limits) for _, limits in limited)))
     backwards_better = select(add(backwards, stay), forwards, sympy.S.NegativeOne, along)
     return select(add(forwards, stay), backwards, sympy.S.One, backwards_better)

@@ -45,7 +45,7 @@ _CLEAR = 1e-3
 def lock(robot: Robot, _: Mobility) -> Formula:
     """Return the steering angles, nearest to the present ones, at which the robot can neither move nor turn."""
     steered = [w for w in robot.wheels if w.kind.steers]
-    _check(robot, steered)
+    _check_lockable(robot, steered)
     names = Locals()
     views = [working_view(w) for w in steered]
     x, y = mean([g.x for g in views]), mean([g.y for g in views])
@@ -80,7 +80,7 @@ def _angle(y: Poly, x: Poly) -> Expr:
         return number(Exact(to_fraction(mpmath.atan2(to_mpf(b.rational()), to_mpf(a.rational())))))
 
 
-def _check(robot: Robot, steered: list[Wheel]) -> None:
+def _check_lockable(robot: Robot, steered: list[Wheel]) -> None:
     """Raise NotDerivableError if these angles do not lock the robot, or if a wheel cannot reach its angle."""
     if not steered:
         raise underivable(

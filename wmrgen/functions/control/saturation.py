@@ -25,8 +25,13 @@ from wmrgen.analysis.kinematics.least_squares import project
 from wmrgen.analysis.kinematics.pivots import pivot
 from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.control.twist_limits import twist_limits, whole
-from wmrgen.functions.control.wheel_limits import linear_spins, most, refuse_one_sided, room
+from wmrgen.functions.control.twist_limits import full_twist, twist_limits
+from wmrgen.functions.control.wheel_limits import (
+    largest_ratio,
+    limit_beside_steering,
+    linear_spins,
+    refuse_one_sided,
+)
 from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import working_view
 from wmrgen.geometry.exact.number import ONE, Exact
@@ -58,16 +63,16 @@ _LEAST = Exact(Fraction(1, 10**12))
 @function("ours; the choice of FRC drives at saturation", limits=Limits.ASKED, in_place=True)
 def turn_first(robot: Robot, mobility: Mobility) -> Formula:
     """Return a twist inside the limits of twist and wheel speed: omega as wanted if possible, then vx and vy."""
-    return _saturated(robot, mobility, "turn_first", (_ROTATION, _TRANSLATION))
+    return _prioritised(robot, mobility, "turn_first", (_ROTATION, _TRANSLATION))
 
 
 @function("ours; the choice of FRC drives at saturation", limits=Limits.ASKED, in_place=True)
 def drive_first(robot: Robot, mobility: Mobility) -> Formula:
     """Return a twist inside the limits of twist and wheel speed: vx, vy as wanted if possible, then omega."""
-    return _saturated(robot, mobility, "drive_first", (_TRANSLATION, _ROTATION))
+    return _prioritised(robot, mobility, "drive_first", (_TRANSLATION, _ROTATION))
 
 
-def _saturated(
+def _prioritised(
     robot: Robot, mobility: Mobility, what: str, order: tuple[tuple[str, ...], tuple[str, ...]]
 ) -> Formula:
     """Return the function ``what``, which slows down the components of ``order[0]`` last."""
@@ -82,31 +87,36 @@ def _saturated(
     if beside is not None:
         why = f"{beside} rolls beside its steering axis (offset_y), so steering changes its spin"
         raise underivable(robot, what, why, Reason.BESIDE_STEERING_AXIS)
-    caps = {w.index: room(robot, w, "spin", what) for w in driven}
+    caps = {w.index: limit_beside_steering(robot, w, "spin", what) for w in driven}
     refuse_one_sided(robot, what, ((f"{w.name}.spin", caps[w.index]) for w in driven))
     if not any((*limits.values(), *caps.values())):
         raise underivable(
             robot, what, "it has no limits; write limits: {vx: 1, omega: 2, spin: 40}", Reason.NO_LIMIT
         )
     names, plan = Locals(), project(robot, mobility).twist
-    first, second = (_part(plan, part) for part in order)
+    first, second = (_twist_of_components(plan, part) for part in order)
     a, b = (_speeds(robot, driven, part) for part in (first, second))
-    loads = [most(_ONE, _components(limits, order[0]))]
+    loads = [largest_ratio(_ONE, _components(limits, order[0]))]
     for w in driven:
         if (limit := caps[w.index]) is not None:
             value = a[w.index]
             if len(value) == 1:
-                loads.append(most(_ONE, [(value[0], limit)]))
+                loads.append(largest_ratio(_ONE, [(value[0], limit)]))
             else:
-                loads.append(times(root(add(*map(square, value))), number(ONE / _least(limit))))
+                loads.append(times(root(add(*map(square, value))), number(ONE / _symmetric_limit(limit))))
     slower = names.define("slower", 1 / names.define("load", reduce(maximum, loads)))
-    share = names.define("fastest", 1 / names.define("own", most(_ONE, _components(limits, order[1]))))
+    share = names.define(
+        "fastest", 1 / names.define("own", largest_ratio(_ONE, _components(limits, order[1])))
+    )
     for w in driven:
         if (limit := caps[w.index]) is not None:
             now = [names.define(f"{w.name}_first", times(slower, v)) for v in a[w.index]]
             rest = [names.define(f"{w.name}_second", v) for v in b[w.index]]
             share = minimum(
-                share, _line(now[0], rest[0], limit) if len(now) == 1 else _disk(w, now, rest, limit, names)
+                share,
+                _share_in_interval(now[0], rest[0], limit)
+                if len(now) == 1
+                else _share_in_disk(w, now, rest, limit, names),
             )
     share = names.define("share", maximum(share, _ZERO))
     twist: dict[str, Expr] = {}
@@ -119,7 +129,7 @@ def _saturated(
     text = "a twist to one inside the limits of twist and wheel speed: "
     text += "the yaw rate" if order[0] == _ROTATION else "the velocity"
     text += " as wanted if possible, the rest as fast as the limits then allow"
-    return names.formula(what, (*TWIST, *tunable_ports(robot)), whole(twist), text)
+    return names.formula(what, (*TWIST, *tunable_ports(robot)), full_twist(twist), text)
 
 
 def _components(
@@ -129,7 +139,7 @@ def _components(
     return [(expression(Poly.gen("input", name)), limits[name]) for name in part if name in limits]
 
 
-def _part(plan: Row, kept: tuple[str, ...]) -> Row:
+def _twist_of_components(plan: Row, kept: tuple[str, ...]) -> Row:
     """Return the admissible twist of the components ``kept`` alone."""
 
     def only(g: Gen) -> Poly | None:
@@ -147,21 +157,21 @@ def _speeds(robot: Robot, driven: list[Wheel], twist: Row) -> dict[int, list[Exp
     return speeds
 
 
-def _least(limit: Interval) -> Exact:
+def _symmetric_limit(limit: Interval) -> Exact:
     """Return the speed that a steered wheel may have in both directions."""
     return min(limit.high, -limit.low)
 
 
-def _line(a: Expr, b: Expr, limit: Interval) -> Expr:
+def _share_in_interval(a: Expr, b: Expr, limit: Interval) -> Expr:
     """Return the largest share of b that the limit of a linear speed leaves; above 1 is treated as 1."""
     left = select(b, _ZERO, subtract(a, number(limit.low)), subtract(number(limit.high), a))
     left = maximum(left, _ZERO)
     return left / maximum(maximum(absolute(b), number(_LEAST)), left)
 
 
-def _disk(w: Wheel, a: list[Expr], b: list[Expr], limit: Interval, names: Locals) -> Expr:
+def _share_in_disk(w: Wheel, a: list[Expr], b: list[Expr], limit: Interval, names: Locals) -> Expr:
     """Return the largest share of b that the limit of a steered wheel leaves."""
-    top = number(_least(limit))
+    top = number(_symmetric_limit(limit))
     left = maximum(subtract(square(top), add(*map(square, a))), _ZERO)
     left = names.define(f"{w.name}_left", left)
     both = names.define(f"{w.name}_both", add(*(times(x, y) for x, y in zip(a, b, strict=True))))

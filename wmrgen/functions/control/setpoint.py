@@ -37,20 +37,25 @@ from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, tuna
 from wmrgen.analysis.kinematics.steer import NARROW, QUARTER, hysteresis, turned_by
 from wmrgen.analysis.kinematics.steer_groups import moves_as_one, seen_from, steered_groups
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.control.steering_stops import reach
+from wmrgen.functions.control.steering_stops import curvature_range
 from wmrgen.functions.control.twist_limits import (
-    INSTANT,
+    LARGEST_SHARE,
     LAST,
-    SHORT,
+    LEAST_TIME,
     STEP,
     WANTED,
     acceleration_limits,
-    per_duration,
+    full_twist,
+    inverse_of_step,
     rate_limit,
-    share_of_limit,
-    whole,
+    time_of_change,
 )
-from wmrgen.functions.control.wheel_limits import linear_spins, most, refuse_one_sided, room
+from wmrgen.functions.control.wheel_limits import (
+    largest_ratio,
+    limit_beside_steering,
+    linear_spins,
+    refuse_one_sided,
+)
 from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import working_view
 from wmrgen.geometry.exact.number import Exact
@@ -91,7 +96,7 @@ class Unit(NamedTuple):
     stops: Interval | None  # limits of the steering angle [rad]
 
 
-class _Rims(NamedTuple):
+class _SpeedShares(NamedTuple):
     """Shares of their limits that the speeds of steered wheels use."""
 
     # squares of speeds, by the share that a speed of 1 uses: one root serves them all
@@ -117,11 +122,11 @@ def setpoint(robot: Robot, mobility: Mobility) -> Formula:
     with the first maximum over all wheels and components of the twist. If dt is 0, the twist does not change.
     """
     units = _units(robot, mobility)
-    _check(robot, mobility, units)
+    _check_limits(robot, mobility, units)
     names = Locals()
     plan = project(robot, mobility).twist
     last, asked = (_row(plan, when, names) for when in ("", "_wanted"))
-    goal = _slowed(robot, units, asked, names)
+    goal = _within_spin_limits(robot, units, asked, names)
     blocked = {u.lead.index: blocked_by_stops(u, last, asked, names) for u in units if u.rate and u.stops}
     if blocked:
         stops = names.define("stops", reduce(maximum, (b.brakes for b in blocked.values())))
@@ -134,18 +139,18 @@ def setpoint(robot: Robot, mobility: Mobility) -> Formula:
         for n, g, p in zip(TWIST_NAMES, goal, last, strict=True)
     )
     step = names.define("step", maximum(signal(DT.name), _ZERO))
-    times_needed = _times(robot, mobility, units, (last, change), step, names)
+    times_needed = _times_needed(robot, mobility, units, (last, change), step, names)
     share: Expr = _ONE
     if times_needed:
         time = names.define("time", reduce(maximum, times_needed))
-        share = step / names.define("longest", maximum(number(INSTANT), maximum(step, time)))
+        share = step / names.define("longest", maximum(number(LEAST_TIME), maximum(step, time)))
     for unit in units:
         if unit.rate is not None:
             share = minimum(
                 share, share_in_cone(unit, (last, change), step, blocked.get(unit.lead.index), names)
             )
     share = names.define("share", select(_ZERO, step, share, _ZERO))
-    part = names.define("part", times(number(SHORT), share))
+    part = names.define("part", times(number(LARGEST_SHARE), share))
     twist = {
         n: select(share, _ONE, add(expression(p), times(part, expression(c))), expression(g))
         for n, p, c, g in zip(TWIST_NAMES, last, change, goal, strict=True)
@@ -157,7 +162,7 @@ def setpoint(robot: Robot, mobility: Mobility) -> Formula:
         "wheel speed and acceleration, of steering rates and of the rates of the twist"
     )
     return names.formula(
-        "setpoint", (*LAST, *WANTED, *steers, STEP, *tunable_ports(robot)), whole(twist), text
+        "setpoint", (*LAST, *WANTED, *steers, STEP, *tunable_ports(robot)), full_twist(twist), text
     )
 
 
@@ -189,7 +194,7 @@ def _spin_rate(robot: Robot, w: Wheel) -> Interval | None:
     return robot.limit(w, "spin_rate")
 
 
-def _check(robot: Robot, mobility: Mobility, units: list[Unit]) -> None:
+def _check_limits(robot: Robot, mobility: Mobility, units: list[Unit]) -> None:
     """Raise NotDerivableError if the robot has no limit that matters, or one that cannot be satisfied."""
     driven = _driven(robot)
     limits = [(f"{w.name}.spin_rate", _spin_rate(robot, w)) for w in driven]
@@ -207,7 +212,9 @@ def _check(robot: Robot, mobility: Mobility, units: list[Unit]) -> None:
             continue
         apart = unit.stops.high - unit.stops.low
         narrow = apart <= NARROW * 2
-        if (narrow and reach(robot, mobility, Locals()) is None) or (not narrow and hysteresis(unit.stops)):
+        if (narrow and curvature_range(robot, mobility, Locals()) is None) or (
+            not narrow and hysteresis(unit.stops)
+        ):
             why = (
                 f"{unit.lead.name} cannot reach every direction that inverse commands between its steering stops; "
                 "write stops at least 190 deg apart, or steer the robot as a car"
@@ -228,32 +235,32 @@ def _row(plan: Row, when: str, names: Locals) -> Row:
     )
 
 
-def _linear(robot: Robot, twist: Row) -> dict[str, tuple[Wheel, Expr]]:
+def _unsteered_spins(robot: Robot, twist: Row) -> dict[str, tuple[Wheel, Expr]]:
     """Return the spin [rad/s] of each driven wheel without an upright axis."""
     found = linear_spins(robot, twist)
     return {w.name: (w, found[w.index]) for w in robot.wheels if w.index in found and w.commands("spin")}
 
 
-def _slowed(robot: Robot, units: list[Unit], asked: Row, names: Locals) -> Row:
+def _within_spin_limits(robot: Robot, units: list[Unit], asked: Row, names: Locals) -> Row:
     """Return the wanted twist, or the fastest twist along its path that satisfies the limits of ``spin``."""
     limited = []
-    for name, (w, spin) in _linear(robot, asked).items():
+    for name, (w, spin) in _unsteered_spins(robot, asked).items():
         if (limit := robot.limit(w, "spin")) is not None:
             refuse_one_sided(robot, "setpoint", [(f"{name}.spin", limit)])
             limited.append((names.define(f"{name}_asked", spin), limit))
-    load = most(_ONE, limited)
-    rims = _Rims({}, [])
+    load = largest_ratio(_ONE, limited)
+    rims = _SpeedShares({}, [])
     for unit in units:
         velocity: Velocity | None = None
         for w in unit.members:
-            limit = room(robot, w, "spin", "setpoint") if w.commands("spin") else None
+            limit = limit_beside_steering(robot, w, "spin", "setpoint") if w.commands("spin") else None
             if limit is None:
                 continue
             refuse_one_sided(robot, "setpoint", [(f"{w.name}.spin", limit)])
             velocity = velocity or named_pivot(unit.lead, asked, "asked", names)
             g = working_view(w)
             per = expression(g.r.inverse() * (1 / min(limit.high, -limit.low)))
-            _sort(velocity, g.o * asked[2], per, rims)
+            _add_share(velocity, g.o * asked[2], per, rims)
     if not limited and not rims.all:
         return asked
     load = reduce(maximum, [load, *rims.all])
@@ -264,7 +271,7 @@ def _slowed(robot: Robot, units: list[Unit], asked: Row, names: Locals) -> Row:
     )
 
 
-def _sort(velocity: Velocity, turn: Poly, per: Expr, rims: _Rims) -> None:
+def _add_share(velocity: Velocity, turn: Poly, per: Expr, rims: _SpeedShares) -> None:
     """Add the share (|velocity| + |turn|) per to ``rims``, as a square if ``turn`` is 0."""
     size = add(*(square(expression(p)) for p in velocity if p))
     if turn:
@@ -273,7 +280,7 @@ def _sort(velocity: Velocity, turn: Poly, per: Expr, rims: _Rims) -> None:
         squares.append(size)
 
 
-def _times(
+def _times_needed(
     robot: Robot, mobility: Mobility, units: list[Unit], motion: tuple[Row, Row], step: Expr, names: Locals
 ) -> list[Expr]:
     """Return the times [s] that the components of the twist and the wheel speeds need for their changes.
@@ -282,19 +289,21 @@ def _times(
     """
     last, change = motion
     rates = acceleration_limits(robot, mobility, "setpoint", needed=False)
-    per_step = per_duration([*rates.values(), *(_spin_rate(robot, w) for w in _driven(robot))], step, names)
+    per_step = inverse_of_step(
+        [*rates.values(), *(_spin_rate(robot, w) for w in _driven(robot))], step, names
+    )
     of = dict(zip(TWIST_NAMES, zip(*motion, strict=True), strict=True))
     found = [
-        share_of_limit(limit, expression(of[name][0]), expression(of[name][1]), per_step, names, name)
+        time_of_change(limit, expression(of[name][0]), expression(of[name][1]), per_step, names, name)
         for name, limit in rates.items()
         if limit is not None
     ]
-    before = _linear(robot, last)
-    for name, (w, spin) in _linear(robot, change).items():
+    before = _unsteered_spins(robot, last)
+    for name, (w, spin) in _unsteered_spins(robot, change).items():
         if (limit := _spin_rate(robot, w)) is not None:
             spin = names.define(f"{name}_change", spin)
-            found.append(share_of_limit(limit, before[name][1], spin, per_step, names, name))
-    rims = _Rims({}, [])
+            found.append(time_of_change(limit, before[name][1], spin, per_step, names, name))
+    rims = _SpeedShares({}, [])
     for unit in units:
         driven = [(w, limit) for w in unit.members if w.commands("spin") and (limit := _spin_rate(robot, w))]
         for w, limit in driven:
@@ -304,7 +313,7 @@ def _times(
             most_of = rate_limit(limit, norm(*map(expression, now)), toward, per_step, names, w.name)
             g = working_view(w)
             per = times(expression(g.r.inverse()), 1 / most_of)
-            _sort(velocity, g.o * change[2], per, rims)
+            _add_share(velocity, g.o * change[2], per, rims)
     return [*found, *rims.all]
 
 

@@ -71,7 +71,7 @@ from wmrgen.geometry.symbolic import (
 _ON_AXLE = 1e-9  # m: a wheel nearer to the axle line is on it and cannot steer
 
 
-class Reach(NamedTuple):
+class CurvatureRange(NamedTuple):
     """The range of curvatures that every steering stop allows: ``right`` <= omega / v <= ``left``."""
 
     axle: Axle  # v is the speed of its centre
@@ -100,7 +100,7 @@ class Reach(NamedTuple):
         return omega
 
 
-def reach(robot: Robot, mobility: Mobility, names: Locals) -> Reach | None:
+def curvature_range(robot: Robot, mobility: Mobility, names: Locals) -> CurvatureRange | None:
     """Return the curvatures that the steering stops allow.
 
     Args:
@@ -119,14 +119,16 @@ def reach(robot: Robot, mobility: Mobility, names: Locals) -> Reach | None:
         limit = robot.limit(w, "steer")
         if limit is None or not w.kind.steers:
             continue
-        for stop in limit if _bends(w, limit, nominal) else ():
-            side = _side(w, limit, stop, nominal)
+        for stop in limit if _stops_bound_curvature(w, limit, nominal) else ():
+            side = _turning_side(w, limit, stop, nominal)
             if side:
                 (left if side > 0 else right).append(_curvature(w, stop, axle))
     if not (left or right):
         return None
-    return Reach(
-        axle, _tightest(right, max, maximum, names, "right"), _tightest(left, min, minimum, names, "left")
+    return CurvatureRange(
+        axle,
+        _tightest_bound(right, max, maximum, names, "right"),
+        _tightest_bound(left, min, minimum, names, "left"),
     )
 
 
@@ -142,7 +144,7 @@ def _curvature(w: Wheel, stop: Exact, axle: Axle) -> Curvature:
     return s, a * c + b * s
 
 
-def _ahead(w: Wheel, limit: Interval, nominal: Axle) -> float:
+def _straight_ahead(w: Wheel, limit: Interval, nominal: Axle) -> float:
     """Return the joint angle [rad] at which the wheel rolls straight on, the nearest to the middle of its stops."""
     ex, ey, *_ = nominal.nominal
     turn = phase(complex(ex, ey) / w.zero_heading)
@@ -150,24 +152,24 @@ def _ahead(w: Wheel, limit: Interval, nominal: Axle) -> float:
     return turn - pi * round((turn - middle) / pi)
 
 
-def _bends(w: Wheel, limit: Interval, nominal: Axle) -> bool:
+def _stops_bound_curvature(w: Wheel, limit: Interval, nominal: Axle) -> bool:
     """Return whether stops bound the curvature: the wheel is off the axle line and may point straight on."""
     a = float(nominal.seen(w.nominal.mapped(Poly.of))[0].constant or 0)
-    straight = _ahead(w, limit, nominal)
+    straight = _straight_ahead(w, limit, nominal)
     inside = float(limit.low) < straight < float(limit.high)
     return abs(a) > _ON_AXLE and inside and float(limit.high - limit.low) < pi
 
 
-def _side(w: Wheel, limit: Interval, stop: Exact, nominal: Axle) -> int:
+def _turning_side(w: Wheel, limit: Interval, stop: Exact, nominal: Axle) -> int:
     """Return 1 for a stop that bounds turning left, -1 for turning right, 0 for a stop that is no bound."""
     a, b = (float(p.constant or 0) for p in nominal.seen(w.nominal.mapped(Poly.of)))
-    swing = float(stop) - _ahead(w, limit, nominal)
+    swing = float(stop) - _straight_ahead(w, limit, nominal)
     if a * (a * cos(swing) + b * sin(swing)) <= 0:
         return 0
     return 1 if a * sin(swing) > 0 else -1
 
 
-def _tightest(
+def _tightest_bound(
     curvatures: list[Curvature],
     exact: Callable[[Iterable[Exact]], Exact],
     larger: Callable[[Expr, Expr], Expr],

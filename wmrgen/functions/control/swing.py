@@ -151,7 +151,7 @@ def compensate_steering(robot: Robot, mobility: Mobility) -> Formula:
         raise underivable(robot, "compensate_steering", why, Reason.NOT_A_CAR)
     inputs, outputs = dict[Port, None](), list[tuple[Port, Expr]]()
     for w in driven:
-        lead = _lead(robot, w)
+        lead = _steering_lead(robot, w)
         spin, steer = joint_port(w, "spin", Role.COMMAND), joint_port(lead, "steer", Role.COMMAND)
         now = _present(lead)
         inputs |= dict.fromkeys((spin, steer, now))
@@ -172,7 +172,7 @@ def _present(w: Wheel) -> Port:
     return Port(f"{w.name}.steer_now", Role.STATE, "rad", "present steering angle")
 
 
-def _lead(robot: Robot, w: Wheel) -> Wheel:
+def _steering_lead(robot: Robot, w: Wheel) -> Wheel:
     """Return the first wheel that steers with ``w``. Raise NotDerivableError if other angles change its spin."""
     groups = robot.steer_group
     for other in robot.wheels:
@@ -231,10 +231,14 @@ _LEAST = sympy.Rational(1, 10**6)
 def car_axle(robot: Robot, mobility: Mobility) -> Axle | None:
     """Return the fixed axle of a robot that is steered as a car; None for any other robot."""
     axle = fixed_axle(robot, mobility, working_view)
-    return axle if axle is not None and drives(robot, mobility, axle) and _leads(robot, axle) else None
+    return (
+        axle
+        if axle is not None and drives(robot, mobility, axle) and _steered_off_axle(robot, axle)
+        else None
+    )
 
 
-def _leads(robot: Robot, axle: Axle) -> list[Wheel]:
+def _steered_off_axle(robot: Robot, axle: Axle) -> list[Wheel]:
     """Return the steered wheels that are not on the axle line: their angles determine where the robot turns."""
     return [w for w in robot.wheels if w.kind.steers and axle.seen(working_view(w))[0]]
 
@@ -251,17 +255,19 @@ def axle_speeds(robot: Robot, axle: Axle, driven: Sequence[Wheel], names: Locals
     Returns:
         One spin for each wheel of ``driven``, in the same order.
     """
-    leads = _leads(robot, axle)
+    leads = _steered_off_axle(robot, axle)
     turning = [w for w in robot.wheels if w.kind.steers and (w in leads or w in driven)]
-    wanted, present = (
-        {w.index: _rolling_direction(w, joint, names) for w in turning} for joint in ("steer", "steer_now")
-    )
+    wanted = {w.index: _rolling_direction(w, "steer", names) for w in turning}
+    present = {w.index: _rolling_direction(w, "steer_now", names) for w in turning}
     parts: list[list[Expr]] = [[] for _ in driven]
     for lead in leads:
-        g, now = (
-            [names.short(f"{lead.name}_{when}_{w.name}", _per_speed(w, lead, axle, angles)) for w in driven]
-            for when, angles in (("wanted", wanted), ("present", present))
-        )
+        g, now = [], []
+        for w in driven:
+            ratio = _rim_speed_ratio(w, lead, axle, wanted)
+            g.append(names.short(f"{lead.name}_wanted_{w.name}", ratio))
+        for w in driven:
+            ratio = _rim_speed_ratio(w, lead, axle, present)
+            now.append(names.short(f"{lead.name}_present_{w.name}", ratio))
         radii = [working_view(w).rolling_radius for w in driven]
         rims = []
         for w, k, r in zip(driven, g, radii, strict=True):
@@ -282,7 +288,7 @@ def _rolling_direction(w: Wheel, joint: str, names: Locals) -> tuple[Poly, Poly]
     return add_angles((g.ch, g.sh), (c, names.poly(f"{w.name}_{joint}_sin", sympy.sin(angle))))
 
 
-def _per_speed(w: Wheel, lead: Wheel, axle: Axle, angles: dict[int, tuple[Poly, Poly]]) -> Poly:
+def _rim_speed_ratio(w: Wheel, lead: Wheel, axle: Axle, angles: dict[int, tuple[Poly, Poly]]) -> Poly:
     """Return g of a wheel: its rim speed per speed of the pivot of ``lead`` along its direction."""
     dx, dy = angles[lead.index]
     c, s = axle.ex * dx + axle.ey * dy, axle.ex * dy - axle.ey * dx

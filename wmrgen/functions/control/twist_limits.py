@@ -22,8 +22,8 @@ import sympy
 from wmrgen.analysis.kinematics.least_squares import project
 from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.control.steering_stops import Reach, Stops, reach, steering_stops
-from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, scaled
+from wmrgen.functions.control.steering_stops import CurvatureRange, Stops, curvature_range, steering_stops
+from wmrgen.functions.control.wheel_limits import largest_ratio, refuse_one_sided, scaled_within
 from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.exact.number import ONE, Exact
 from wmrgen.geometry.layout.records import Interval, Robot
@@ -42,8 +42,8 @@ from wmrgen.geometry.symbolic import (
 )
 
 # Share of a change that a step makes at most: rounding does not carry it past the wanted twist.
-SHORT = Exact(1 - Fraction(1, 2**21))
-INSTANT = Exact(Fraction(1, 10**20))  # s: the least divisor, far below any step
+LARGEST_SHARE = Exact(1 - Fraction(1, 2**21))
+LEAST_TIME = Exact(Fraction(1, 10**20))  # s: the least divisor, far below any step
 WANTED = tuple(Port(f"{p.name}_wanted", Role.COMMAND, p.unit, f"wanted {p.name}") for p in TWIST)
 LAST = tuple(replace(port, role=Role.STATE) for port in TWIST)
 STEP = replace(DT, text="time since the last command; below 0 is treated as 0")
@@ -58,7 +58,9 @@ def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
     without a fixed axle they limit everything but its speed along a direction in which all wheels can roll.
     """
     names = Locals()
-    bends: Reach | Stops | None = reach(robot, mobility, names) or steering_stops(robot, mobility)
+    bends: CurvatureRange | Stops | None = curvature_range(robot, mobility, names) or steering_stops(
+        robot, mobility
+    )
     limits = twist_limits(robot, mobility, "limit_twist", needed=bends is None)
     missing = [name for name, limit in limits.items() if limit is None]
     if robot.deadband and missing:
@@ -69,7 +71,7 @@ def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
         parts = zip(TWIST_NAMES, bends.cut(names), strict=True)
         asked = {name: names.define(f"{name}_bent", part) for name, part in parts if name in limits}
     components = ((asked[name], limit) for name, limit in limits.items())
-    load = names.define("load", most(sympy.S.Zero if robot.deadband else sympy.S.One, components))
+    load = names.define("load", largest_ratio(sympy.S.Zero if robot.deadband else sympy.S.One, components))
     scale: Expr = 1 / load
     text = "a twist to the fastest one along the same path inside the limits of vx, vy and omega"
     if bends is not None:
@@ -78,9 +80,9 @@ def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
         scale = select(load, number(robot.deadband), sympy.S.Zero, 1 / maximum(sympy.S.One, load))
         text += f"; standstill if all components are below {float(robot.deadband):g} of their limits"
     scale = names.define("scale", scale)
-    twist = {name: scaled(asked[name], limit, scale) for name, limit in limits.items()}
+    twist = {name: scaled_within(asked[name], limit, scale) for name, limit in limits.items()}
     return names.formula(
-        "limit_twist", (*TWIST, *(tunable_ports(robot) if bends else ())), whole(twist), text
+        "limit_twist", (*TWIST, *(tunable_ports(robot) if bends else ())), full_twist(twist), text
     )
 
 
@@ -88,8 +90,8 @@ def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
 def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
     """Return the next twist from the last one towards the wanted one, inside the limits of its rates.
 
-    The change takes the time t = max(change / limit over all components, `INSTANT`). If t <= dt, the result is the
-    wanted twist, to the bit. Otherwise the change is multiplied by dt / t, and by `SHORT` so that the result is
+    The change takes the time t = max(change / limit over all components, `LEAST_TIME`). If t <= dt, the result is the
+    wanted twist, to the bit. Otherwise the change is multiplied by dt / t, and by `LARGEST_SHARE` so that the result is
     between both twists. The limit is that of speeding up or of braking, see `rate_limit`.
     """
     limits = acceleration_limits(robot, mobility, "limit_acceleration")
@@ -99,14 +101,14 @@ def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
         for name in limits
     }
     step = names.define("step", maximum(signal(DT.name), sympy.S.Zero))
-    per_step = per_duration(limits.values(), step, names)
+    per_step = inverse_of_step(limits.values(), step, names)
     shares = [
-        share_of_limit(limit, signal(name), changes[name], per_step, names, name)
+        time_of_change(limit, signal(name), changes[name], per_step, names, name)
         for name, limit in limits.items()
         if limit is not None
     ]
-    time = names.define("time", reduce(maximum, shares, number(INSTANT)))
-    share = names.define("share", times(number(SHORT), step) / time)
+    time = names.define("time", reduce(maximum, shares, number(LEAST_TIME)))
+    share = names.define("share", times(number(LARGEST_SHARE), step) / time)
     twist = {
         name: select(step, time, add(signal(name), times(share, change)), signal(f"{name}_wanted"))
         for name, change in changes.items()
@@ -114,7 +116,7 @@ def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
     text = (
         "the last commanded twist to the next one towards the wanted twist, inside the limits of acceleration"
     )
-    return names.formula("limit_acceleration", (*LAST, *WANTED, STEP), whole(twist), text)
+    return names.formula("limit_acceleration", (*LAST, *WANTED, STEP), full_twist(twist), text)
 
 
 def twist_limits(robot: Robot, mobility: Mobility, what: str, needed: bool) -> dict[str, Interval | None]:
@@ -155,7 +157,7 @@ def acceleration_limits(
     return _limits(robot, mobility, what, "_rate", "{vx_rate: 1, omega_rate: 2}", needed)
 
 
-def per_duration(limits: Iterable[Interval | None], step: Expr, names: Locals) -> Expr | None:
+def inverse_of_step(limits: Iterable[Interval | None], step: Expr, names: Locals) -> Expr | None:
     """Return 1 / ``step`` if a limit differs for speeding up and for braking.
 
     Args:
@@ -168,7 +170,7 @@ def per_duration(limits: Iterable[Interval | None], step: Expr, names: Locals) -
     """
     if all(limit is None or limit.high == -limit.low for limit in limits):
         return None
-    return names.define("per_step", 1 / maximum(number(INSTANT), step))
+    return names.define("per_step", 1 / maximum(number(LEAST_TIME), step))
 
 
 def rate_limit(
@@ -208,7 +210,7 @@ def rate_limit(
     return names.define(f"{name}_limit", better(number(slower), mixed))
 
 
-def share_of_limit(
+def time_of_change(
     limit: Interval, now: Expr, change: Expr, per_step: Expr | None, names: Locals, name: str
 ) -> Expr:
     """Return the time [s] that a change takes: its size over the limit of its rate, see `rate_limit`.
@@ -227,7 +229,7 @@ def share_of_limit(
     return times(absolute(change), 1 / rate_limit(limit, now, change, per_step, names, name))
 
 
-def whole(twist: dict[str, Expr]) -> list[tuple[Port, Expr]]:
+def full_twist(twist: dict[str, Expr]) -> list[tuple[Port, Expr]]:
     """Return all three components of a twist: 0 for a component that the robot cannot drive."""
     return [(port, twist.get(port.name, sympy.S.Zero)) for port in TWIST]
 

@@ -197,7 +197,7 @@ def _polar(ref: Axle, names: Locals) -> tuple[Expr, Expr, Expr, Expr]:
         qx, qy = ref.centre
         dx, dy = rotated(c, s, qx, qy)
         x, y = add(x, dx, times(-1, qx)), add(y, dy, times(-1, qy))
-    px, py = _seen_along(ref, (x, y), names, "axle")
+    px, py = _along_axle(ref, (x, y), names, "axle")
     ahead = names.define("goal_ahead", times(-1, add(times(c, px), times(s, py))))
     left = names.define("goal_left", subtract(times(s, px), times(c, py)))
     rho = names.define("rho_value", norm(px, py))
@@ -211,7 +211,7 @@ def _polar(ref: Axle, names: Locals) -> tuple[Expr, Expr, Expr, Expr]:
     return rho, alpha, beta, way
 
 
-def _seen_along(ref: Axle, vector: Vector, names: Locals, prefix: str) -> Vector:
+def _along_axle(ref: Axle, vector: Vector, names: Locals, prefix: str) -> Vector:
     """Return the components of a vector of the robot frame along and across the direction of Q."""
     along, across = rotated_back(*ref.direction, *vector)
     return names.define(f"{prefix}_ahead", along), names.define(f"{prefix}_left", across)
@@ -242,7 +242,7 @@ def pursuit(robot: Robot, mobility: Mobility) -> Formula:
     ref = reference(robot, mobility, "pursuit")
     names = Locals()
     dx, dy = (subtract(signal(n), expression(p)) for n, p in (("goal_x", ref.x), ("goal_y", ref.y)))
-    gx, gy = _seen_along(ref, (dx, dy), names, "goal")
+    gx, gy = _along_axle(ref, (dx, dy), names, "goal")
     square_l = names.define("distance_squared", add(square(gx), square(gy)))
     far = times(AT_GOAL, AT_GOAL)
     divisor = names.define("divisor", select(far, square_l, square_l, sympy.S.One))

@@ -44,9 +44,9 @@ def desaturate(robot: Robot, _: Mobility) -> Formula:
     """
     rates = _rates(robot)
     names = Locals()
-    load = most(sympy.S.One, ((signal(port.name), limit) for port, limit in rates))
+    load = largest_ratio(sympy.S.One, ((signal(port.name), limit) for port, limit in rates))
     scale = names.define("scale", 1 / names.define("load", load))
-    outputs = [(port, scaled(signal(port.name), limit, scale)) for port, limit in rates]
+    outputs = [(port, scaled_within(signal(port.name), limit, scale)) for port, limit in rates]
     outputs.append((output("scale", "", "factor of all rates: 1 if every limit holds"), scale))
     return names.formula(
         "desaturate",
@@ -56,7 +56,7 @@ def desaturate(robot: Robot, _: Mobility) -> Formula:
     )
 
 
-def most(least: Expr, quantities: Iterable[tuple[Expr, Interval | None]]) -> Expr:
+def largest_ratio(least: Expr, quantities: Iterable[tuple[Expr, Interval | None]]) -> Expr:
     """Return the largest ratio of a quantity to its limit on the same side, but no less than ``least`` >= 0."""
     shares: list[Expr] = [] if least.is_zero else [least]
     for value, limit in quantities:
@@ -67,7 +67,7 @@ def most(least: Expr, quantities: Iterable[tuple[Expr, Interval | None]]) -> Exp
     return reduce(maximum, shares)
 
 
-def scaled(value: Expr, limit: Interval | None, scale: Expr) -> Expr:
+def scaled_within(value: Expr, limit: Interval | None, scale: Expr) -> Expr:
     """Return ``value`` times ``scale``, clamped to the limit: rounding may exceed it by one unit in the last place.
 
     Args:
@@ -117,7 +117,10 @@ def _rates(robot: Robot) -> list[tuple[Port, Interval | None]]:
         )
     joints = [(w, "spin") for w in robot.wheels if w.has_spin]
     joints += [(w, "steer_rate") for w in robot.wheels if w.kind.swivels]
-    rates = [(joint_port(w, joint, Role.COMMAND), room(robot, w, joint, "desaturate")) for w, joint in joints]
+    rates = [
+        (joint_port(w, joint, Role.COMMAND), limit_beside_steering(robot, w, joint, "desaturate"))
+        for w, joint in joints
+    ]
     refuse_one_sided(robot, "desaturate", ((port.name, limit) for port, limit in rates))
     return rates
 
@@ -132,7 +135,7 @@ def linear_spins(robot: Robot, twist: Row) -> dict[int, Expr]:
     return spins(robot, rims)
 
 
-def room(robot: Robot, w: Wheel, joint: str, what: str) -> Interval | None:
+def limit_beside_steering(robot: Robot, w: Wheel, joint: str, what: str) -> Interval | None:
     """Return the limit of a joint rate; for a spin, without the part that `steer_toward` may add.
 
     Args:

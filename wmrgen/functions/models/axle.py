@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.models.polynomials import clean
+from wmrgen.functions.models.polynomials import without_rounding
 from wmrgen.geometry.constraints import View
 from wmrgen.geometry.exact.linalg import mean
 from wmrgen.geometry.exact.poly import Poly
@@ -65,7 +65,7 @@ THROUGH_P = Axle(Poly.of(1), Poly({}), Poly({}), Poly({}))  # for robots without
 def axle_of(fixed: Sequence[Wheel], view: View) -> Axle:
     """Return the mean of fixed wheels and their direction, pointing forward, or to the left if exactly sideways."""
     views = [view(w) for w in fixed]
-    x, y = (clean(mean([getattr(g, k) for g in views]))[0] for k in "xy")
+    x, y = (without_rounding(mean([getattr(g, k) for g in views]))[0] for k in "xy")
     lead = fixed[0].nominal
     ahead = lead.ch if abs(float(lead.ch)) > 1e-9 else lead.sh
     sign = 1 if float(ahead) > 0 else -1

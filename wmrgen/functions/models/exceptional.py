@@ -57,7 +57,7 @@ def exceptional(system: System, growth: Growth) -> tuple[Exceptional, ...] | Non
             return ()
     if best is None:
         return None
-    return tuple(_counted(system, growth, one) for one in best)
+    return tuple(_with_growth_vector(system, growth, one) for one in best)
 
 
 def _in_robot_frame(field: Field) -> Field:
@@ -71,7 +71,8 @@ def _minors(rows: list[Field]) -> Iterator[Poly]:
     """Yield the minors of full size that are not zero and short enough to be expanded."""
     for columns in combinations(range(len(rows[0])), len(rows)):
         entries = [[row[k] for k in columns] for row in rows]
-        if prod(max(1, sum(len(p.terms) for p in row)) for row in entries) <= MOST_TERMS:
+        sizes = [sum(len(p.terms) for p in row) for row in entries]
+        if prod(max(1, size) for size in sizes) <= MOST_TERMS:
             minor = determinant(entries)
             if minor:
                 yield minor
@@ -104,10 +105,11 @@ def _factors(p: Poly) -> list[Poly]:
     _, factors = sympy.Poly.from_dict(table, *(sympy.Dummy() for _ in gens)).factor_list()
 
     def back(factor: sympy.Poly) -> Poly:
-        terms = ((m, Fraction(int(c.p), int(c.q))) for m, c in factor.terms())
-        return Poly.sum(
-            Poly({tuple((g, e) for g, e in zip(gens, m, strict=True) if e): Exact(c)}) for m, c in terms
-        )
+        terms = []
+        for exponents, c in factor.terms():
+            monomial = tuple((g, e) for g, e in zip(gens, exponents, strict=True) if e)
+            terms.append(Poly({monomial: Exact(Fraction(int(c.p), int(c.q)))}))
+        return Poly.sum(terms)
 
     return [back(factor) for factor, _ in factors]
 
@@ -129,15 +131,15 @@ def _never_zero(p: Poly, values: Mapping[str, Poly]) -> bool:
     return abs(float(terms.get((), ZERO))) > (1 + MARGIN) * sum(abs(float(c)) for m, c in terms.items() if m)
 
 
-def _counted(system: System, growth: Growth, condition: Poly) -> Exceptional:
+def _with_growth_vector(system: System, growth: Growth, condition: Poly) -> Exceptional:
     """Return a condition with the growth vector at a generic configuration that satisfies it."""
     point = generic_point(system.state, 0)
     ((monomial, _),) = condition.terms.items() if len(condition.terms) == 1 else (((), ONE),)
-    placed = len(monomial) == 1 and _placed(monomial[0][0], point)
+    placed = len(monomial) == 1 and _move_to_zero(monomial[0][0], point)
     return Exceptional(expression(condition), _vector(system, growth, point) if placed else ())
 
 
-def _placed(g: Gen, point: dict[str, Exact]) -> bool:
+def _move_to_zero(g: Gen, point: dict[str, Exact]) -> bool:
     """Move the point to where a cosine or a sine is zero. Return False if its argument is no sum of states."""
     sums = g.kind in ("cosf", "sinf") and all(
         len(m) == 1 and m[0][1] == 1 and m[0][0].kind == "input" and abs(c) == ONE

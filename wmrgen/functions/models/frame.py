@@ -16,7 +16,7 @@ from wmrgen.analysis.mobility.analyse import fixed
 from wmrgen.analysis.mobility.basis import null_columns
 from wmrgen.analysis.mobility.ranks import generic, nominal_at, straight
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.models.polynomials import angles_in, by_steering, clean, cleaned
+from wmrgen.functions.models.polynomials import angles_in, by_steering, row_without_rounding, without_rounding
 from wmrgen.functions.registry import Reason, UnderivableError, underivable
 from wmrgen.geometry.constraints import (
     View,
@@ -97,7 +97,7 @@ def frame(robot: Robot, mobility: Mobility, symbolic: bool, virtual: tuple[Wheel
         wheels = tuple(robot.wheel(name) for name in mobility.basis_wheels)
     if not symbolic:
         columns = tuple(fixed(column, robot) for column in columns)
-    return Frame(robot, symbolic, tuple(cleaned(column) for column in columns), wheels)
+    return Frame(robot, symbolic, tuple(row_without_rounding(column) for column in columns), wheels)
 
 
 def constant_rows(robot: Robot, mobility: Mobility) -> list[Row]:
@@ -118,7 +118,7 @@ def _pivot_velocity(frame: Frame, wheel: Wheel, column: Row) -> tuple[Poly, Poly
     Raise NotDerivableError if it has too many terms for its square, which directions and rates need.
     """
     g = frame.view(wheel)
-    a, b = clean(dot(along((ONE, ZERO), g), column), dot(along((ZERO, ONE), g), column))
+    a, b = without_rounding(dot(along((ONE, ZERO), g), column), dot(along((ZERO, ONE), g), column))
     terms = len(a.terms) + len(b.terms)
     if terms > MOST_TERMS:
         raise underivable(
@@ -132,7 +132,7 @@ def _pivot_velocity(frame: Frame, wheel: Wheel, column: Row) -> tuple[Poly, Poly
     return a, b
 
 
-def _followed(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
+def _travel_velocity(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
     """Return the velocity of the pivot of a wheel that points along it.
 
     Any column that moves the pivot gives the same direction, because such a wheel is on the line of a fixed axle.
@@ -163,11 +163,11 @@ def in_coordinates(frame: Frame, wheel: Wheel, row: Row) -> Row:
     lead = frame.leader(wheel)
     if lead is None or lead.name == wheel.name:
         return row
-    c, s = _led_by(lead, wheel)
+    c, s = _coupled_angle(lead, wheel)
     return each(row, lambda p: at_angle(p, c, s))
 
 
-def _led_by(lead: Wheel, wheel: Wheel) -> tuple[Poly, Poly]:
+def _coupled_angle(lead: Wheel, wheel: Wheel) -> tuple[Poly, Poly]:
     """Return (cos, sin) of the steering angle of a wheel that turns with ``lead`` or against it."""
     c, s = steer_gens(lead)
     return c, s.scale(Exact(wheel.steer_sign))
@@ -195,7 +195,7 @@ def steering_rates(frame: Frame, wheel: Wheel) -> dict[str, Poly]:
     lead = frame.leader(wheel)
     if lead is not None:
         return {lead.name: ONE.scale(Exact(wheel.steer_sign))}
-    a, b = _followed(frame, wheel)
+    a, b = _travel_velocity(frame, wheel)
     squared = a * a + b * b
     rates = {
         w.name: (a * by_steering(b, w.name) - b * by_steering(a, w.name)) * squared.inverse()
@@ -213,8 +213,8 @@ def steering_direction(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
     """Return (cos, sin) of the wheel's steering angle, times a positive factor."""
     lead = frame.leader(wheel)
     if lead is not None:
-        return _led_by(lead, wheel)
-    a, b = _followed(frame, wheel)
+        return _coupled_angle(lead, wheel)
+    a, b = _travel_velocity(frame, wheel)
     g, sign = frame.view(wheel), _rolling_sign(frame, wheel, (a, b))
     return (a * g.ch + b * g.sh).scale(sign), (b * g.ch - a * g.sh).scale(sign)
 

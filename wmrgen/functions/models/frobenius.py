@@ -131,10 +131,9 @@ def frobenius_components(form: Form) -> Iterator[tuple[tuple[str, str, str], Pol
 
 def _test(wheel: str, kind: str, shown: Form, numbers: Form) -> RowTest:
     """Return the test of a row, decided on the numbers and written in the named parameters."""
-    vanishes = {
-        names: all(abs(float(c)) < SMALL for c in p.terms.values())
-        for names, p in frobenius_components(numbers)
-    }
+    vanishes = {}
+    for names, p in frobenius_components(numbers):
+        vanishes[names] = all(abs(float(c)) < SMALL for c in p.terms.values())
     components = tuple(
         (names, sympy.S.Zero if vanishes[names] else expression(p))
         for names, p in frobenius_components(shown)

@@ -150,13 +150,11 @@ def _pairs(inputs: list[Bracket], newest: list[Bracket]) -> list[tuple[Bracket, 
 
 def _products(f: Bracket, df: tuple[Field, ...], g: Bracket, dg: tuple[Field, ...]) -> int:
     """Return how many products of terms the bracket of two fields takes."""
-    sizes = [[len(p.terms) for p in b.polys] for b in (f, g)]
-    return sum(
-        len(p.terms) * n
-        for rows, size in zip((dg, df), sizes, strict=True)
-        for row in rows
-        for p, n in zip(row, size, strict=True)
-    )
+    count = 0
+    for jacobian, field in ((dg, f), (df, g)):
+        for row in jacobian:
+            count += sum(len(p.terms) * len(q.terms) for p, q in zip(row, field.polys, strict=True))
+    return count
 
 
 def robot_growth(robot: Robot, mobility: Mobility, most: int = MOST_PRODUCTS) -> Growth:

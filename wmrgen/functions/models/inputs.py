@@ -29,8 +29,14 @@ from wmrgen.functions.models.frame import (
     rim_row,
     steering_rates,
 )
-from wmrgen.functions.models.polynomials import angles_in, cleaned, divided, domain_of, essential
-from wmrgen.functions.models.tied import meeting
+from wmrgen.functions.models.polynomials import (
+    angles_in,
+    divided,
+    domain_of,
+    row_without_rounding,
+    zero_condition,
+)
+from wmrgen.functions.models.tied import where_motions_meet
 from wmrgen.functions.models.virtual import as_wheel, driving, steering_frame
 from wmrgen.functions.system import Domain
 from wmrgen.geometry.exact.linalg import adjugate, determinant
@@ -94,14 +100,14 @@ class Motion(NamedTuple):
             condition = Poly.sum(p * p for p in self.frame.columns[0])
             text = "all entries of the null space vanish: axles fall into one line and rank C1 drops"
         else:
-            condition = essential(self.divisor)
+            condition = zero_condition(self.divisor)
             rates = {f"{w.name}.steer_rate" for w in self.frame.wheels}
             drives = in_code(p.name for p in self.inputs if p.name not in rates)
             text = f"G is unbounded: {drives} no longer determine{'s' * one} the motion"
         columns = self.frame.columns
         own = domain_of(condition, text, self.robot)
         lost = () if one else self.lost
-        return (*own, *lost, *meeting(self.robot, self.frame.view, columns))
+        return (*own, *lost, *where_motions_meet(self.robot, self.frame.view, columns))
 
     @property
     def lost(self) -> tuple[Domain, ...]:
@@ -128,7 +134,7 @@ def posture_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> 
     """
     frame = steering_frame(robot, mobility, symbolic)
     drives, idle = _choose(frame)
-    etas, determinant = _solved(drives, tuple(w.name for w in frame.wheels))
+    etas, determinant = _solve(drives, tuple(w.name for w in frame.wheels))
     inputs = (*(d.port for d in drives), *_rate_ports(frame))
     note = f"; {', '.join(idle)} must follow" if idle else ""
     text = f"posture model in {', '.join(p.name for p in inputs)}{note}"
@@ -147,7 +153,7 @@ def eta_motion(robot: Robot, mobility: Mobility, symbolic: bool = False, virtual
     build = steering_frame if virtual else frame
     cleared = build(robot, mobility, True)
     per_eta = scaled(cleared.columns, cleared.wheels, robot)
-    columns = per_eta if symbolic else tuple(cleaned(fixed(column, robot)) for column in per_eta)
+    columns = per_eta if symbolic else tuple(row_without_rounding(fixed(column, robot)) for column in per_eta)
     coordinates = (cleared if symbolic else build(robot, mobility, False))._replace(columns=columns)
     size = range(len(columns))
     ports = tuple(
@@ -195,13 +201,16 @@ def _motion(
     return Motion(frame, inputs, tuple(etas), divisor, tuple(twists), text, followers)
 
 
-def _solved(drives: list[Drive], rates: tuple[str, ...]) -> tuple[list[Eta], Poly]:
+def _solve(drives: list[Drive], rates: tuple[str, ...]) -> tuple[list[Eta], Poly]:
     """Return adj(E) times each input (drives, then steering rates), and det E: eta is the quotient."""
     matrix = [d.row for d in drives]
     inverse, size = adjugate(matrix), range(len(matrix))
     inputs = [[d.scale if i == k else ZERO for i in size] for k, d in enumerate(drives)]
     inputs += [[d.offsets.get(name, ZERO) for d in drives] for name in rates]
-    etas = [tuple(Poly.sum(inverse[m][k] * u[k] for k in size if u[k]) for m in size) for u in inputs]
+    etas = []
+    for u in inputs:
+        driven = [k for k in size if u[k]]
+        etas.append(tuple(Poly.sum(inverse[m][k] * u[k] for k in driven) for m in size))
     return etas, determinant(matrix)
 
 

@@ -46,8 +46,8 @@ def integrals(robot: Robot, mobility: Mobility) -> tuple[Integral, ...]:
         straight = mobility.dof == 2 and not any(turn for _, _, turn in mobility.null_space)
         return (Integral((("theta", 1.0),), "theta = const"),) if straight else ()
     if mobility.dof == 3:
-        return _combinations(robot)
-    return (*_posture(twists), *_rolled(robot, twists))
+        return _angle_combinations(robot)
+    return (*_pose_relations(twists), *_wheel_relations(robot, twists))
 
 
 def constant_twists(robot: Robot, mobility: Mobility) -> list[Twist] | None:
@@ -67,7 +67,7 @@ def on_circle(twists: list[Twist]) -> bool:
     return len(twists) == 1 and abs(float(twists[0][2])) > SMALL
 
 
-def _posture(twists: list[Twist]) -> tuple[Integral, ...]:
+def _pose_relations(twists: list[Twist]) -> tuple[Integral, ...]:
     """Return the relations of the pose: a constant heading and a line, or the centre of a circle."""
     if not twists:
         return (Integral((("x_body", 1.0),), "x, y and theta are constant: the robot cannot move"),)
@@ -83,7 +83,7 @@ def _posture(twists: list[Twist]) -> tuple[Integral, ...]:
     return fixed, Integral(across, f"{_sum(across)} = const: the body can only translate along a line")
 
 
-def _rolled(robot: Robot, twists: list[Twist]) -> tuple[Integral, ...]:
+def _wheel_relations(robot: Robot, twists: list[Twist]) -> tuple[Integral, ...]:
     """Return wheel angles as linear functions of the position, or of theta on a circle."""
     relations = []
     for w in rolling_wheels(robot):
@@ -92,13 +92,13 @@ def _rolled(robot: Robot, twists: list[Twist]) -> tuple[Integral, ...]:
             rate = sum((a * b for a, b in zip(row, twists[0], strict=True)), ZERO) / twists[0][2]
             way: Terms = (("theta", float(rate / radius)),)
         else:
-            way = _reachable((float(row[0] / radius), float(row[1] / radius)), twists)
+            way = _gradient_along_line((float(row[0] / radius), float(row[1] / radius)), twists)
         way = tuple((k, c) for k, c in way if abs(c) > SMALL)
         relations.append(Integral(((f"{w.name}.angle", -1.0), *way), f"{w.name}.angle = {_sum(way)} + const"))
     return tuple(relations)
 
 
-def _reachable(gradient: tuple[float, float], twists: list[Twist]) -> Terms:
+def _gradient_along_line(gradient: tuple[float, float], twists: list[Twist]) -> Terms:
     """Return the gradient along x and y of the body, projected on the line if there is only one translation."""
     a, b = gradient
     if len(twists) == 1:
@@ -108,7 +108,7 @@ def _reachable(gradient: tuple[float, float], twists: list[Twist]) -> Terms:
     return ("x_body", a), ("y_body", b)
 
 
-def _combinations(robot: Robot) -> tuple[Integral, ...]:
+def _angle_combinations(robot: Robot) -> tuple[Integral, ...]:
     """Return sums of wheel angles that depend on the heading alone, or are constant."""
     wheels = rolling_wheels(robot)
     if not wheels:

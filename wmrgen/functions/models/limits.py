@@ -54,7 +54,7 @@ def limited(
     """
     inputs = tuple(following[u.name].command if u.name in following else u for u in system.inputs)
     entries = (*system.state, *inputs)
-    terms = _Terms(robot, mobility, form, system, following)
+    terms = _LimitedQuantities(robot, mobility, form, system, following)
     outputs, absent = [], []
     for port, same in _limits(robot):
         if same & {p.name for p in entries} or port.name in terms.narrowing:
@@ -108,7 +108,7 @@ def _bound(robot: Robot, name: str) -> Bound:
     return NO_BOUND if limit is None else (float(limit.low), float(limit.high))
 
 
-class _Terms:
+class _LimitedQuantities:
     """The limited quantities, written in state and inputs of a model."""
 
     def __init__(
@@ -130,7 +130,7 @@ class _Terms:
         """Return angles that follow from one coordinate beside a fixed axle: their limits limit the coordinate."""
         axle, wheels = self.axle, {}
         if axle and self.posed:
-            apart = [w for w in self.robot.wheels if abs(_from(axle, w).real) > NEGLIGIBLE]
+            apart = [w for w in self.robot.wheels if abs(_seen_from(axle, w).real) > NEGLIGIBLE]
             wheels = {f"{w.name}.steer": w for w in apart if w.kind.steers and not self._is_state(w)}
         return wheels if wheels and len(self.frame.wheels) == 1 else {}
 
@@ -152,7 +152,7 @@ class _Terms:
             (lead,) = self.frame.wheels
             if limit and self.axle and name.startswith(f"{lead.name}."):
                 ends = [
-                    _seen_by(self.robot, lead, follower, self.axle, float(end))
+                    _lead_angle(self.robot, lead, follower, self.axle, float(end))
                     for end in (limit.low, limit.high)
                 ]
                 low, high = max(low, min(ends)), min(high, max(ends))
@@ -164,10 +164,11 @@ class _Terms:
         ahead = {signal("theta"): sympy.S.Zero}
         following, system = self.following, self.system
         inputs = [following[u.name].rate if u.name in following else signal(u.name) for u in system.inputs]
-        return {
-            p.name: add(*(times(f[i].xreplace(ahead), u) for f, u in zip(system.fields, inputs, strict=True)))
-            for i, p in enumerate(system.state)
-        }
+        rates = {}
+        for i, p in enumerate(system.state):
+            parts = [times(f[i].xreplace(ahead), u) for f, u in zip(system.fields, inputs, strict=True)]
+            rates[p.name] = add(*parts)
+        return rates
 
     def value(self, port: Port) -> Expr | None:
         """Return the expression of a quantity; None if the model has no variable for it."""
@@ -245,14 +246,14 @@ class _Terms:
         return Poly({}) if value is sympy.S.Zero else self.locals.poly(name, value)
 
 
-def _from(axle: Wheel, w: Wheel) -> complex:
+def _seen_from(axle: Wheel, w: Wheel) -> complex:
     """Return the position of a wheel from a fixed wheel, along its rolling direction and to the left [m]."""
     a, g = axle.nominal, w.nominal
     x, y = g.x - a.x, g.y - a.y
     return complex(float(x * a.ch + y * a.sh), float(y * a.ch - x * a.sh))
 
 
-def _ahead(robot: Robot, w: Wheel, axle: Wheel) -> float:
+def _straight_ahead(robot: Robot, w: Wheel, axle: Wheel) -> float:
     """Return the angle [rad] at which the robot drives straight on; of two, the one nearer to the middle of its
     limits."""
     limit, turn = robot.limit(w, "steer"), phase(axle.zero_heading / w.zero_heading)
@@ -260,15 +261,15 @@ def _ahead(robot: Robot, w: Wheel, axle: Wheel) -> float:
     return turn - pi * round((turn - middle) / pi)
 
 
-def _seen_by(robot: Robot, lead: Wheel, w: Wheel, axle: Wheel, angle: float) -> float:
+def _lead_angle(robot: Robot, lead: Wheel, w: Wheel, axle: Wheel, angle: float) -> float:
     """Return the angle of ``lead`` [rad] when ``w`` is at ``angle`` and both roll beside the fixed wheel ``axle``.
 
     The result is infinite if ``w`` may turn round.
     """
-    here, there = _from(axle, w), _from(axle, lead)
-    delta = angle - _ahead(robot, w, axle)
+    here, there = _seen_from(axle, w), _seen_from(axle, lead)
+    delta = angle - _straight_ahead(robot, w, axle)
     side = copysign(1.0, here.real)
     if abs(delta) >= pi:
         return copysign(inf, delta * here.real * there.real)
     omega, speed = side * sin(delta), side * (here.real * cos(delta) + here.imag * sin(delta))
-    return _ahead(robot, lead, axle) + phase(complex(speed - omega * there.imag, omega * there.real))
+    return _straight_ahead(robot, lead, axle) + phase(complex(speed - omega * there.imag, omega * there.real))

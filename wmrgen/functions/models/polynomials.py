@@ -57,20 +57,20 @@ def angles_in(polys: tuple[Poly, ...] | Row) -> set[str]:
     return names
 
 
-def clean(*polys: Poly) -> tuple[Poly, ...]:
+def without_rounding(*polys: Poly) -> tuple[Poly, ...]:
     """Return the polynomials without terms that are only rounding errors of their coefficients."""
     least = NEGLIGIBLE * max((abs(float(c)) for p in polys for c in p.terms.values()), default=0.0)
     return tuple(Poly({m: c for m, c in p.terms.items() if abs(float(c)) > least}) for p in polys)
 
 
-def cleaned(row: Row) -> Row:
+def row_without_rounding(row: Row) -> Row:
     """Return a row without terms that are only rounding errors."""
-    return triple(clean(*row))
+    return triple(without_rounding(*row))
 
 
 def divided(row: Row, divisor: Poly) -> Row:
     """Return row / divisor, with common factors cancelled."""
-    return each(cleaned(row), lambda p: quotient(p, divisor))
+    return each(row_without_rounding(row), lambda p: quotient(p, divisor))
 
 
 def quotient(above: Poly, below: Poly) -> Poly:
@@ -95,7 +95,7 @@ def split(poly: Poly) -> tuple[Poly, Poly]:
     return poly * factor.inverse(), factor
 
 
-def essential(poly: Poly) -> Poly:
+def zero_condition(poly: Poly) -> Poly:
     """Return the condition poly = 0 without factors that are lengths, numbers, powers or roots."""
     core, factor = split(poly)
     (core,) = whole([without_lengths(core)])

@@ -36,8 +36,14 @@ from wmrgen.functions.models.frame import (
     steering_rates,
 )
 from wmrgen.functions.models.inputs import Eta, Motion, best_motion, eta_motion
-from wmrgen.functions.models.polynomials import angles_in, clean, domain_of, essential, quotient
-from wmrgen.functions.models.tied import meeting
+from wmrgen.functions.models.polynomials import (
+    angles_in,
+    domain_of,
+    quotient,
+    without_rounding,
+    zero_condition,
+)
+from wmrgen.functions.models.tied import where_motions_meet
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.registry import Reason, function, system, underivable
 from wmrgen.functions.system import Domain, System, rate_port
@@ -99,7 +105,7 @@ def eta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Syst
     motion = eta_motion(robot, mobility, symbolic)
     lines = (s.wheels for s in mobility.singularities if s.kind == "shared_axle")
     shared = (_one_line(robot, a, b, symbolic) for a, b in lines)
-    meet = meeting(robot, motion.frame.view, motion.frame.columns)
+    meet = where_motions_meet(robot, motion.frame.view, motion.frame.columns)
     return system_of("dynamics", motion)._replace(domain=(*shared, *motion.lost, *meet))
 
 
@@ -107,7 +113,7 @@ def _one_line(robot: Robot, first: str, second: str, symbolic: bool) -> Domain:
     """Return where two steered axles are on one line, so that the only column of N vanishes."""
     a, b = robot.wheel(first), robot.wheel(second)
     view = symbolic_view if symbolic else working_view
-    conditions = (square(expression(essential(towards(v, w, view)))) for v, w in ((a, b), (b, a)))
+    conditions = (square(expression(zero_condition(towards(v, w, view)))) for v, w in ((a, b), (b, a)))
     return Domain(
         add(*conditions),
         f"the axles of `{first}` and `{second}` are on one line, and eta1 has no effect, although the robot can turn "
@@ -161,10 +167,10 @@ def system_of(
         *(Port(f"{w.name}.angle", Role.STATE, "rad", "angle rolled about the axle") for w in rolling),
     )
     shares = _shares(motion, castors, rolling)
-    fields = tuple(
-        (*in_world(triple(map(expression, twist))), *(expression(share[k]) for share in shares))
-        for k, twist in enumerate(motion.twists)
-    )
+    fields = []
+    for k, twist in enumerate(motion.twists):
+        joints = [expression(share[k]) for share in shares]
+        fields.append((*in_world(triple(map(expression, twist))), *joints))
     geometry = motion.frame.geometry
 
     def code() -> Formula:
@@ -172,7 +178,7 @@ def system_of(
         outputs = zip(map(rate_port, state), posture_rates(motion, names, castors, rolling)[0], strict=True)
         return names.formula(name, (*state, *motion.inputs, *geometry), outputs, motion.text)
 
-    return System(name, motion.text, state, motion.inputs, fields, geometry, motion.domain, code)
+    return System(name, motion.text, state, motion.inputs, tuple(fields), geometry, motion.domain, code)
 
 
 def posture_rates(
@@ -213,7 +219,7 @@ def _twist(motion: Motion, names: Locals) -> tuple[Row, tuple[Expr, Expr]]:
     ) in motion.frame.wheels:  # a velocity whose direction is fixed to a steered wheel turns with the wheel
         c, s = steer_gens(w)
         vx, vy, _ = sums
-        ahead, left = clean(vx * c + vy * s, vy * c - vx * s)
+        ahead, left = without_rounding(vx * c + vy * s, vy * c - vx * s)
         if w.name in angles_in((vx, vy)) and w.name not in angles_in((ahead, left)):
             course = add(signal("theta"), signal(f"{w.name}.steer"))
             return twist, names.turned("velocity", (expression(ahead), expression(left)), course)
@@ -278,13 +284,13 @@ def _wheel_rates(motion: Motion, w: Wheel) -> list[Poly]:
             rim - g.steer_arm * turns.get(u.name.removesuffix(".steer_rate"), ZERO)
             for rim, u in zip(rims, motion.inputs, strict=True)
         ]
-    return [clean(rim * g.rolling_radius.inverse())[0] for rim in rims]
+    return [without_rounding(rim * g.rolling_radius.inverse())[0] for rim in rims]
 
 
 def _per_input(motion: Motion, row: Eta) -> list[Poly]:
     """Return row . eta for each input."""
     above = (Poly.sum(p * e for p, e in zip(row, eta, strict=True)) for eta in motion.etas)
-    return [quotient(clean(p)[0], motion.divisor) for p in above]
+    return [quotient(without_rounding(p)[0], motion.divisor) for p in above]
 
 
 @system("zeta")
@@ -320,7 +326,7 @@ def zeta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sys
     first = (sympy.cos(zeta), sympy.sin(zeta), rate, rate)
     zero, one = sympy.S.Zero, sympy.S.One
     lost = f"the ICR is at `{wheel.name}`: its centre stands still"
-    domain = domain_of(essential(speed), lost, robot, _in_zeta)
+    domain = domain_of(zero_condition(speed), lost, robot, _in_zeta)
     text = f"zeta form (Tzafestas (2.56b)): the reference is {wheel.name}, its rolling direction is zeta"
     return System(
         "zeta", text, ZETA_STATE, ZETA_INPUTS, (first, (zero, zero, zero, one)), frame.geometry, domain

@@ -15,7 +15,7 @@ from wmrgen.functions.models.limits import NO_BOUND, Bound, Limited, limited
 from wmrgen.functions.models.sheet import singular_sets
 from wmrgen.functions.models.twist import sliding, where_it_slides
 from wmrgen.functions.registry import system_builder
-from wmrgen.functions.system import Lag, System, of_commands
+from wmrgen.functions.system import Lag, System, with_commands
 from wmrgen.geometry.exact.number import ZERO
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.layout.skid import parallel
@@ -71,8 +71,8 @@ def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> St
     following = lags(robot, system)
     inputs = tuple(following[u.name].command if u.name in following else u for u in system.inputs)
     rolling = sliding(robot, mobility) if form == "twist" else None
-    limits, at_once = limited(robot, mobility, form, system, following), _at_once(robot, following)
-    text = of_commands(system.text, following)
+    limits, at_once = limited(robot, mobility, form, system, following), _without_lag(robot, following)
+    text = with_commands(system.text, following)
     text += f"; it leaves out the lag of {listed(at_once)}" if at_once else ""
     text += "; only the form trailer has the trailers" if robot.trailers and form != "trailer" else ""
     never = [name for name, (low, high) in limits.bounds.items() if low > high]
@@ -91,7 +91,7 @@ def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> St
     )
 
 
-def _at_once(robot: Robot, following: Mapping[str, Lag]) -> tuple[str, ...]:
+def _without_lag(robot: Robot, following: Mapping[str, Lag]) -> tuple[str, ...]:
     """Return wheels whose lag the model leaves out: they follow faster in the model than in the robot file."""
     slow = max((lag.constant for lag in following.values()), default=ZERO)
     names = []

@@ -15,7 +15,7 @@ from wmrgen.analysis.mobility.admissible import along
 from wmrgen.analysis.mobility.analyse import towards
 from wmrgen.analysis.mobility.basis import led
 from wmrgen.analysis.mobility.ranks import numeric_rank
-from wmrgen.functions.models.polynomials import NEGLIGIBLE, essential
+from wmrgen.functions.models.polynomials import NEGLIGIBLE, zero_condition
 from wmrgen.functions.system import Domain
 from wmrgen.geometry.constraints import View
 from wmrgen.geometry.exact.poly import Row
@@ -25,7 +25,7 @@ from wmrgen.geometry.notation import in_code
 from wmrgen.geometry.symbolic import add, expression, signal, square
 
 
-def tied(robot: Robot) -> list[list[Wheel]]:
+def parallel_groups(robot: Robot) -> list[list[Wheel]]:
     """Return groups of parallel steered wheels that turn together; from wheels at one place, only the first."""
     sets: list[list[Wheel]] = []
     for w in (w for w in robot.wheels if w.kind.steers):
@@ -46,7 +46,7 @@ def only_straight(robot: Robot) -> bool:
 
     This is so if their axles cannot be lines that meet in one point of the axle line of the fixed wheels.
     """
-    sets = _apart(robot)
+    sets = _groups_apart(robot)
     lines = [(first, second.pivot - first.pivot) for first, second, *_ in sets]
     for members, (first, line) in zip(sets, lines, strict=True):
         if any(abs(((w.pivot - first.pivot) / line).imag) > NEGLIGIBLE for w in members):
@@ -57,7 +57,7 @@ def only_straight(robot: Robot) -> bool:
     return bool(sets) and numeric_rank(every)[0] > numeric_rank(every * [1, 1, 0])[0]
 
 
-def meeting(robot: Robot, view: View, columns: Sequence[Row] | None = None) -> tuple[Domain, ...]:
+def where_motions_meet(robot: Robot, view: View, columns: Sequence[Row] | None = None) -> tuple[Domain, ...]:
     """Return where the two kinds of motion meet.
 
     Args:
@@ -69,7 +69,7 @@ def meeting(robot: Robot, view: View, columns: Sequence[Row] | None = None) -> t
     Returns:
         One domain, or none if the robot has no such groups.
     """
-    sets = _apart(robot)
+    sets = _groups_apart(robot)
     if not sets or only_straight(robot):
         return ()
     who, omega = f"{in_code(w.name for m in sets for w in m)}, which turn together", signal("omega")
@@ -88,9 +88,9 @@ def meeting(robot: Robot, view: View, columns: Sequence[Row] | None = None) -> t
     text = f"the axles of {who}, are on one line: there the robot can also turn about the points of the line"
     if columns[0][2]:
         gap, text = columns[0][2], f"the robot goes straight: {who}, allow this at any angle"
-    return (Domain(expression(essential(gap)), f"{text} (the form `twist` has these motions)"),)
+    return (Domain(expression(zero_condition(gap)), f"{text} (the form `twist` has these motions)"),)
 
 
-def _apart(robot: Robot) -> list[list[Wheel]]:
+def _groups_apart(robot: Robot) -> list[list[Wheel]]:
     """Return the groups whose wheels are at two places or more."""
-    return [members for members in tied(robot) if len(members) > 1]
+    return [members for members in parallel_groups(robot) if len(members) > 1]

@@ -18,7 +18,7 @@ from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, para
 from wmrgen.analysis.mobility.basis import led
 from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.posture import in_world
-from wmrgen.functions.models.tied import meeting, only_straight, tied
+from wmrgen.functions.models.tied import only_straight, parallel_groups, where_motions_meet
 from wmrgen.functions.registry import Reason, system, underivable
 from wmrgen.functions.system import System, rate_port
 from wmrgen.geometry.constraints import View, heading, sliding_row, symbolic_view, working_view
@@ -47,7 +47,7 @@ def twist_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sy
         NotDerivableError: If fixed wheels point in different directions.
     """
     view = symbolic_view if symbolic else working_view
-    inputs, columns = _free(robot, mobility, view)
+    inputs, columns = _free_components(robot, mobility, view)
     steered, castors = _steered(robot), _driven_castors(robot)
     still = (sympy.S.Zero,) * len(steered)
     turns = (
@@ -58,7 +58,7 @@ def twist_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sy
     state = (*POSE, *(joint_port(w, "steer", Role.STATE) for w in (*steered, *castors)))
     rates = tuple(joint_port(w, "steer_rate", Role.COMMAND) for w in steered)
     geometry = parameter_ports(robot) if symbolic else tunable_ports(robot)
-    text = f"model in twist inputs{_condition(robot, mobility)}"
+    text = f"model in twist inputs{_validity(robot, mobility)}"
 
     def code() -> Formula:
         names = Locals()
@@ -76,7 +76,7 @@ def twist_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sy
         (*inputs, *rates),
         (*((*in_world(c), *still, *swing) for c, swing in zip(columns, swings, strict=True)), *turns),
         geometry,
-        meeting(robot, view),
+        where_motions_meet(robot, view),
         code,
     )
 
@@ -106,14 +106,15 @@ def _swing(robot: Robot, w: Wheel, view: View, twist: Column) -> Expr:
 def sliding(robot: Robot, mobility: Mobility) -> Formula | None:
     """Return g(x, u), the sliding speeds of wheels [m/s] (Siegwart (3.16)); None if no wheel can slide.
 
-    Steered wheels that turn together need only as many constraints as determine all, see `tied`: one wheel and the yaw
-    rate, or two wheels. Driven castors that swing together need one for all but the first, whose rate they share.
+    Steered wheels that turn together need only as many constraints as determine all, see `parallel_groups`: one wheel
+    and the yaw rate, or two wheels. Driven castors that swing together need one for all but the first, whose rate they
+    share.
     """
-    sets, straight = tied(robot), only_straight(robot)
+    sets, straight = parallel_groups(robot), only_straight(robot)
     swinging = [members for members in robot.together("steer", _swiveling(robot)) if len(members) > 1]
     if not sets and not swinging:
         return None
-    system, (inputs, columns) = twist_system(robot, mobility), _free(robot, mobility, working_view)
+    system, (inputs, columns) = twist_system(robot, mobility), _free_components(robot, mobility, working_view)
     names = Locals()
     twist = _named_twist(inputs, columns, names)
     outputs = []
@@ -143,9 +144,7 @@ def goes_straight(mobility: Mobility) -> bool:
 
 def where_it_slides(mobility: Mobility) -> str:
     """Return a sentence on the motions that a form without sliding does not cover."""
-    return (
-        f"wheels slide, as they do in every {'curve' if goes_straight(mobility) else 'motion but one'}"
-    )
+    return f"wheels slide, as they do in every {'curve' if goes_straight(mobility) else 'motion but one'}"
 
 
 def _steered(robot: Robot) -> list[Wheel]:
@@ -169,7 +168,7 @@ def _driven_castors(robot: Robot) -> list[Wheel]:
     return [members[0] for members in robot.together("steer", _swiveling(robot))]
 
 
-def _condition(robot: Robot, mobility: Mobility) -> str:
+def _validity(robot: Robot, mobility: Mobility) -> str:
     """Return the end of the model's description: under which condition it holds."""
     text = "; it holds where no steered wheel slides" if _steered(robot) else ""
     if mobility.degenerate and mobility.rank_C1f.value < 2:  # wheels whose spins are coupled
@@ -181,7 +180,9 @@ def _condition(robot: Robot, mobility: Mobility) -> str:
     return text
 
 
-def _free(robot: Robot, mobility: Mobility, view: View) -> tuple[tuple[Port, ...], tuple[Column, ...]]:
+def _free_components(
+    robot: Robot, mobility: Mobility, view: View
+) -> tuple[tuple[Port, ...], tuple[Column, ...]]:
     """Return the components of the twist that are inputs, and the twist that each of them causes."""
     wheels = [w for w in robot.wheels if w.kind.fixed_axle]
     units = [tuple(sympy.Integer(int(i == k)) for i in range(3)) for k in range(3)]

@@ -185,7 +185,11 @@ class Slopes:
 
     def products(self, f: Field) -> int:
         """Return how many products of terms the Jacobian takes."""
-        return sum(len(rate.terms) for p in f for m in p.terms for g, _ in m for rate in self.of_generator(g))
+        count = 0
+        for monomial in (m for p in f for m in p.terms):
+            for g, _ in monomial:
+                count += sum(len(rate.terms) for rate in self.of_generator(g))
+        return count
 
 
 def bracket_by(f: Field, df: tuple[Field, ...], g: Field, dg: tuple[Field, ...]) -> Field:

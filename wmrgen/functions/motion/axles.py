@@ -63,9 +63,9 @@ def axles(robot: Robot, mobility: Mobility) -> Formula:
     names = Locals()
     with_axle = [*fixed, *steered]
     if rank == 0:
-        twist = _three(steered, names)
+        twist = _without_axle_line(steered, names)
     elif rank == 1:
-        twist = _two(fixed[0], steered, with_axle, names)
+        twist = _with_one_axle_line(fixed[0], steered, with_axle, names)
     else:
         column = null_columns([mobility.basis_rows[k] for k in range(2)])[0]
         turned = angles_in(column)
@@ -76,7 +76,7 @@ def axles(robot: Robot, mobility: Mobility) -> Formula:
                 "its coupled castors allow a motion that depends on their angle",
                 Reason.CASTOR,
             )
-        twist = _one(column, with_axle, names)
+        twist = _with_two_axle_lines(column, with_axle, names)
     return _formula(robot, twist, steered, len(with_axle), names)
 
 
@@ -108,7 +108,7 @@ def _lateral(w: Wheel, x: Poly, y: Poly) -> Row:
     return -s, c, (g.x - x) * c + (g.y - y) * s
 
 
-def _three(steered: list[Wheel], names: Locals) -> Row:
+def _without_axle_line(steered: list[Wheel], names: Locals) -> Row:
     """Return the twist without fixed wheels: the smallest eigenvector, about the centroid of the steered wheels."""
     x, y = mean([working_view(w).x for w in steered]), mean([working_view(w).y for w in steered])
     spread = _reach(steered, x, y, names)
@@ -122,7 +122,7 @@ def _three(steered: list[Wheel], names: Locals) -> Row:
     return _at_origin(a, b, omega, x, y, names)
 
 
-def _two(fixed: Wheel, steered: list[Wheel], with_axle: list[Wheel], names: Locals) -> Row:
+def _with_one_axle_line(fixed: Wheel, steered: list[Wheel], with_axle: list[Wheel], names: Locals) -> Row:
     """Return the twist for one axle line: a mix of driving along the fixed wheels and turning about a point (x, y).
 
     The point is on their axle, at the foot of the wheels' mean, so that the two motions are independent.
@@ -147,7 +147,7 @@ def _two(fixed: Wheel, steered: list[Wheel], with_axle: list[Wheel], names: Loca
     return _at_origin(times(expression(ex), ahead), times(expression(ey), ahead), omega, x, y, names)
 
 
-def _one(column: Row, with_axle: list[Wheel], names: Locals) -> Row:
+def _with_two_axle_lines(column: Row, with_axle: list[Wheel], names: Locals) -> Row:
     """Return the twist for two axle lines of fixed wheels: the only motion, scaled to unit RMS wheel velocity."""
     views = [working_view(w) for w in with_axle]
     a, b, k = column
@@ -205,8 +205,12 @@ def smallest_eigenvector(rows: Sequence[Sequence[Poly]], fallback: Twist, names:
         names: Takes the intermediate results.
     """
     share = sympy.Rational(1, len(rows))
-    sums = [[expression(Poly.sum(r[i] * r[j] for r in rows)) for j in range(3)] for i in range(3)]
-    gram = symmetric(lambda i, j: names.poly(f"g{i}{j}", times(share, sums[i][j])))
+
+    def mean_product(i: int, j: int) -> Poly:
+        total = expression(Poly.sum(r[i] * r[j] for r in rows))
+        return names.poly(f"g{i}{j}", times(share, total))
+
+    gram = symmetric(mean_product)
     eigenvalue = _smallest_eigenvalue(gram, names)
     for i in range(3):
         gram[i][i] = names.poly(f"m{i}{i}", subtract(expression(gram[i][i]), eigenvalue))

@@ -174,7 +174,7 @@ def joints_from_counts(robot: Robot, _: Mobility) -> Formula:
         if steer.reading.offset is None:
             angle = counted(w, "steer", steer, _DIFFERENCE)
             states.append(joint_port(w, "steer", Role.STATE))
-            shown = _counted_on(w, steer)
+            shown = _advanced_by_counts(w, steer)
         else:
             shown = counted(w, "steer", steer, _FROM_OFFSET)
             angle = counted(w, "steer_rate", steer, _DIFFERENCE) if has_rate else sympy.S.Zero
@@ -194,7 +194,7 @@ def _radians_of(encoder: Encoder) -> Expr:
     return 2 * sympy.pi / number(encoder.turn)
 
 
-def _counted_on(w: Wheel, encoder: Encoder) -> Expr:
+def _advanced_by_counts(w: Wheel, encoder: Encoder) -> Expr:
     """Return the last angle plus the new counts, rounded to whole counts, so that rounding errors do not add up.
 
     In float this is exact up to two million counts from 0: three roundings of the quotient are then below half a

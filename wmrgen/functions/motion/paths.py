@@ -60,7 +60,7 @@ def sign(a: Expr) -> Expr:
     return select(a, sympy.S.Zero, sympy.S.NegativeOne, sympy.S.One)
 
 
-def named(outputs: Mapping[str, Expr], suffix: str, names: Locals) -> tuple[Expr, Expr, Expr]:
+def named_twist(outputs: Mapping[str, Expr], suffix: str, names: Locals) -> tuple[Expr, Expr, Expr]:
     """Return the twist among outputs as intermediate results ``<name>_<suffix>``; a zero needs no name.
 
     Args:
@@ -74,14 +74,14 @@ def named(outputs: Mapping[str, Expr], suffix: str, names: Locals) -> tuple[Expr
     )
 
 
-def driven(robot: Robot, names: Locals) -> tuple[tuple[Port, ...], tuple[Expr, Expr, Expr]]:
+def sensed_twist(robot: Robot, names: Locals) -> tuple[tuple[Port, ...], tuple[Expr, Expr, Expr]]:
     """Return the sensed spins and steering angles, and the twist in the robot frame that they drive.
 
     Steering rates are zero, because a constant command keeps every steering angle.
     """
     formula = forward(robot)
     held = {p.name: sympy.S.Zero for p in formula.inputs if p.name.endswith(".steer_rate")}
-    twist = named(names.adopt(formula, held), "driven", names)
+    twist = named_twist(names.adopt(formula, held), "driven", names)
     return tuple(p for p in formula.inputs if p.name not in held and p.role is not Role.GEOMETRY), twist
 
 
@@ -89,7 +89,7 @@ def driven(robot: Robot, names: Locals) -> tuple[tuple[Port, ...], tuple[Expr, E
 def motion(robot: Robot, _: Mobility) -> Formula:
     """Return the exact pose after constant joint rates for dt: the end of a straight line or an arc."""
     names = Locals()
-    joints, twist = driven(robot, names)
+    joints, twist = sensed_twist(robot, names)
     step = arc()
     end = names.adopt(step, dict(zip(TWIST_NAMES, twist, strict=True)))
     return names.formula(
@@ -116,7 +116,7 @@ CIRCLE = (
 def circle(robot: Robot, _: Mobility) -> Formula:
     """Return the circle or straight line that sensed joint rates drive from a pose."""
     names = Locals()
-    joints, twist = driven(robot, names)
+    joints, twist = sensed_twist(robot, names)
     values = path(twist, names)
     direction = names.define("direction_left", add(signal("theta"), values["direction"]))
     to_centre = names.define("reach", times(sign(twist[2]), values["radius"]))

@@ -134,7 +134,9 @@ def _wait(robot: Robot, k: int, now: Values, target: Values, pose: Triple) -> Ph
     """Return the phase of steering before a segment. Without a limit it takes no time."""
     swings = {name: angle - now[name] for name, angle in target.items()}
     dt = max(_time(robot, robot.wheel(name), swing) for name, swing in swings.items())
-    spins = {w.name: _held(w, swings.get(w.name, ZERO), dt) for w in robot.wheels if "spin" in w.actuated}
+    spins = {
+        w.name: _rolling_spin(w, swings.get(w.name, ZERO), dt) for w in robot.wheels if "spin" in w.actuated
+    }
     return Phase(k, "steer", dt, spins, target, (ZERO, ZERO, ZERO), pose)
 
 
@@ -151,7 +153,7 @@ def _time(robot: Robot, w: Wheel, swing: Exact) -> Exact:
     return swing / rate
 
 
-def _held(w: Wheel, swing: Exact, dt: Exact) -> Exact:
+def _rolling_spin(w: Wheel, swing: Exact, dt: Exact) -> Exact:
     """Return the spin of a wheel beside its steering axis while it turns and the robot stands.
 
     r spin = -o steer_rate.

@@ -26,7 +26,7 @@ from wmrgen.analysis.kinematics.inverse import inverse
 from wmrgen.analysis.kinematics.pose import RATES
 from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.motion.paths import named
+from wmrgen.functions.motion.paths import named_twist
 from wmrgen.functions.registry import function
 from wmrgen.geometry.constraints import (
     XI,
@@ -76,7 +76,7 @@ def forward_world(robot: Robot, _: Mobility) -> Formula:
     c, s = _turn(names)
     formula = forward(robot)
     values = names.adopt(formula, {})
-    vx, vy, omega = named(values, "robot", names)
+    vx, vy, omega = named_twist(values, "robot", names)
     slip = tuple((port, values[port.name]) for port, _ in formula.outputs if port.name == "slip")
     return names.formula(
         "forward_world",
@@ -119,7 +119,10 @@ def steering_matrix(robot: Robot) -> sympy.Matrix:
     """Return Q, 2N x M for the M wheels that turn, in wheel order, with every named parameter as a symbol."""
     turning = [w for w in robot.wheels if w.turns]
     points = contact_points(robot, symbolic_view)
-    rows = [[entry if w is p.wheel else ZERO for w in turning] for p in points for entry in p.swing]
+    rows = []
+    for p in points:
+        for entry in p.swing:
+            rows.append([entry if w is p.wheel else ZERO for w in turning])
     return matrix(rows, len(turning))
 
 
@@ -147,11 +150,10 @@ def contact_velocity(robot: Robot, _: Mobility) -> Formula:
     """Return the velocity of every contact point, robot frame, for a twist, steering angles and rates."""
     names, points = Locals(), contact_points(robot)
     text = "velocity of the contact point, robot frame"
-    outputs = tuple(
-        (output(f"{p.wheel.name}.{component}", "m/s", text), expression(value))
-        for p, velocity in zip(points, velocities(points, names), strict=True)
-        for component, value in zip(("vx", "vy"), velocity, strict=True)
-    )
+    outputs = []
+    for p, velocity in zip(points, velocities(points, names), strict=True):
+        for component, value in zip(("vx", "vy"), velocity, strict=True):
+            outputs.append((output(f"{p.wheel.name}.{component}", "m/s", text), expression(value)))
     return names.formula(
         "contact_velocity",
         (*TWIST, *_joints(points, headings=False), *tunable_ports(robot)),

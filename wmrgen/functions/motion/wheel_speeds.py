@@ -23,7 +23,7 @@ from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, sign
 from wmrgen.analysis.mobility.basis import IDENTITY, primitive
 from wmrgen.analysis.mobility.ranks import generic, independent, nominal_at, numeric_rank, to_array, unit_rows
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.models.polynomials import NEGLIGIBLE, angles_in, clean
+from wmrgen.functions.models.polynomials import NEGLIGIBLE, angles_in, without_rounding
 from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import (
     View,
@@ -108,7 +108,7 @@ def _relation(basis: Sequence[tuple[Poly, ...]], other: tuple[Poly, ...], keep: 
 
 def _readable(row: Sequence[Poly]) -> Relation:
     """Return the row without rounding errors and common factors, with leading coefficient 1."""
-    kept = clean(*row)
+    kept = without_rounding(*row)
     first = next(p for p in kept if p)
     ratios = [ratio_of(p, first, NEGLIGIBLE) if p else ZERO for p in kept]
     known = [Poly.of(ratio) for ratio in ratios if ratio is not None]

@@ -33,9 +33,9 @@ from wmrgen.geometry.layout.records import Interval, Robot, Wheel
 from wmrgen.geometry.ports import TWIST, TWIST_NAMES, Port, Role, output
 from wmrgen.geometry.symbolic import Expr, add, expression, maximum, number, select, subtract, times
 
-RATES, JERKS = (
-    tuple(Port(f"{p.name}_{kind}", Role.COMMAND, f"{p.unit}^{power}", f"{text} of {p.name}") for p in TWIST)
-    for kind, power, text in (("rate", 2, "derivative"), ("jerk", 3, "second derivative"))
+RATES = tuple(Port(f"{p.name}_rate", Role.COMMAND, f"{p.unit}^2", f"derivative of {p.name}") for p in TWIST)
+JERKS = tuple(
+    Port(f"{p.name}_jerk", Role.COMMAND, f"{p.unit}^3", f"second derivative of {p.name}") for p in TWIST
 )
 AT_LIMIT = sympy.Rational(1, 10**6)  # rad: a command nearer to a limit is treated as at the limit
 SLOWEST = sympy.Rational(1, 10**6)  # m/s: a slower pivot is treated as this fast in divisors
@@ -77,11 +77,11 @@ def accelerations(robot: Robot, mobility: Mobility) -> Formula:
             outputs.append((joint_port(w, "steer", Role.COMMAND), commands[f"{w.name}.steer"]))
         if w.turns:
             outputs.append((joint_port(w, "steer_rate", Role.COMMAND), turns[w.index].rate))
-        if w.kind.swivels or _offset(w):
+        if w.kind.swivels or _beside_axis(w):
             port = output(f"{w.name}.steer_acceleration", "rad/s^2", "derivative of the steering rate")
             outputs.append((port, turns[w.index].acceleration))
     twist, rest = first.inputs[:3], first.inputs[3:]
-    jerks = JERKS if any(_offset(w) for w in robot.wheels) else ()
+    jerks = JERKS if any(_beside_axis(w) for w in robot.wheels) else ()
     return names.formula(
         "accelerations",
         (*twist, *RATES, *jerks, *rest),
@@ -90,7 +90,7 @@ def accelerations(robot: Robot, mobility: Mobility) -> Formula:
     )
 
 
-def _offset(w: Wheel) -> bool:
+def _beside_axis(w: Wheel) -> bool:
     """Return whether a wheel is steered and its contact is beside its steering axis."""
     return w.kind.steers and bool(working_view(w).steer_arm)
 
@@ -120,7 +120,7 @@ def _spins(
             rim, change = _rims(w, motion, turns, commands, names)
             now[w.index], rates[w.index] = Joints(rim, radius), Joints(change, radius)
     speeds = spins(robot, now)
-    offset = {robot.spin_group[w.index] for w in robot.wheels if _offset(w)}
+    offset = {robot.spin_group[w.index] for w in robot.wheels if _beside_axis(w)}
     for w in robot.wheels:
         if w.has_spin and robot.spin_group[w.index] not in offset:
             speeds[w.index] = commands[f"{w.name}.spin"]
@@ -185,12 +185,12 @@ def steered_turns(
         alike = all(
             v == seen[0] and w.steer_sign == lead.steer_sign for w, v in zip(members, seen, strict=True)
         )
-        x, y = pairs[0] if alike else _doubled(pairs)
+        x, y = pairs[0] if alike else _double_angle(pairs)
         x, y = (_named(jet, f"{lead.name}_{axis}", names) for jet, axis in ((x, "along"), (y, "aside")))
         turn = _angle_rates(x, y, lead.name, names, sympy.S.One if alike else sympy.S.Half)
         limits = robot.limit(lead, "steer")
         if limits is not None:
-            turn = _held(names, lead, commands[f"{lead.name}.steer"], limits, turn)
+            turn = _zero_at_limits(names, lead, commands[f"{lead.name}.steer"], limits, turn)
         result |= {w.index: Turn(*(times(w.steer_sign, rate) for rate in turn)) for w in members}
     return result
 
@@ -207,7 +207,7 @@ def _named(jet: Jet, name: str, names: Locals) -> Jet:
     return names.define(name, value), names.define(f"{name}_rate", rate), second
 
 
-def _doubled(pairs: list[tuple[Jet, Jet]]) -> tuple[Jet, Jet]:
+def _double_angle(pairs: list[tuple[Jet, Jet]]) -> tuple[Jet, Jet]:
     """Return (sum of u^2 - v^2, sum of 2 u v) with two derivatives: the double of the common angle (see
     `steer_group`)."""
     differences = [tuple(map(subtract, _product(u, u), _product(v, v))) for u, v in pairs]
@@ -242,7 +242,7 @@ def _angle_rates(x: Jet, y: Jet, name: str, names: Locals, share: Expr) -> Turn:
     return Turn(rate, names.define(f"{name}_bent", bent))
 
 
-def _held(names: Locals, lead: Wheel, command: Expr, limits: Interval, turn: Turn) -> Turn:
+def _zero_at_limits(names: Locals, lead: Wheel, command: Expr, limits: Interval, turn: Turn) -> Turn:
     """Return 0 if the commanded angle is at a limit, else the given motion."""
     target = names.define(f"{lead.name}_aimed", command)
     low, high = number(limits.low) + AT_LIMIT, number(limits.high) - AT_LIMIT

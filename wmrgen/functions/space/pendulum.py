@@ -75,7 +75,7 @@ def axle(robot: Robot) -> Axle | None:
     return Axle(wheels[first], wheels[last])
 
 
-class _Hanging(NamedTuple):
+class _HangingBody(NamedTuple):
     """The geometry of a body that hangs from its axle."""
 
     right: Expr  # how far the centre of gravity is to the left of the right contact [m]
@@ -84,7 +84,7 @@ class _Hanging(NamedTuple):
     arm: Expr  # from the axle to the centre of gravity [m]
 
 
-def _hanging(robot: Robot, cg: Point, two: Axle) -> _Hanging:
+def _hanging_body(robot: Robot, cg: Point, two: Axle) -> _HangingBody:
     """Return the geometry. Raise NotDerivableError if the body cannot hang."""
     lowest = two.right.nominal.r - cg.z.nominal
     if len({w.working.r.key for w in robot.wheels}) > 1:
@@ -108,7 +108,7 @@ def _hanging(robot: Robot, cg: Point, two: Axle) -> _Hanging:
     ahead = (x - g.x) * g.ch + (y - g.y) * g.sh
     right, left = ((y - w.working.y) * g.ch - (x - w.working.x) * g.sh for w in two)
     arm = root(expression(ahead * ahead + (g.r - z) * (g.r - z)))
-    return _Hanging(expression(right), expression(left), expression(g.r), arm)
+    return _HangingBody(expression(right), expression(left), expression(g.r), arm)
 
 
 def hanging_stability(robot: Robot, cg: Point, two: Axle) -> Formula:
@@ -123,7 +123,7 @@ def hanging_stability(robot: Robot, cg: Point, two: Axle) -> Formula:
         A function with ``<wheel>.margin``, ``swing.margin`` and ``margin`` [rad], and ranges of fx and fy [m/s^2] if
         the wheels roll along x or y.
     """
-    body, names = _hanging(robot, cg, two), Locals()
+    body, names = _hanging_body(robot, cg, two), Locals()
     g = two.right.working
     c, s = expression(g.ch), expression(g.sh)
     fx, fy, fz = input_vector("f")
@@ -168,7 +168,7 @@ def _margin(f: Vector, m: Vector) -> Expr:
 
 
 def _ranges(
-    two: Axle, body: _Hanging, force: Vector, height: Expr, arm: Expr, names: Locals
+    two: Axle, body: _HangingBody, force: Vector, height: Expr, arm: Expr, names: Locals
 ) -> list[tuple[Port, Expr]]:
     """Return the ranges of fx and fy in which the robot stands; none if the wheels roll neither along x nor y.
 
@@ -195,8 +195,8 @@ def _ranges(
     most = names.define("most", over(times(force[2], swing), at_least(ceiling, _SMALLEST)))
     bounds = {along: (times(-1, most), most), across: (low, high)}
     text = "f{0} at which the robot tips over, other components as given"
-    return [
-        (output(f"f{AXES[k]}_{end}", "m/s^2", text.format(AXES[k])), value)
-        for k in (0, 1)
-        for end, value in zip(("min", "max"), bounds[k], strict=True)
-    ]
+    ranges = []
+    for k in (0, 1):
+        for end, value in zip(("min", "max"), bounds[k], strict=True):
+            ranges.append((output(f"f{AXES[k]}_{end}", "m/s^2", text.format(AXES[k])), value))
+    return ranges

@@ -109,7 +109,7 @@ def edges(robot: Robot, places: list[Spot]) -> list[Edge]:
 
 def _edge(a: Spot, b: Spot, places: list[Spot]) -> Edge | None:
     """Return a -> b with the contacts that must be to its left at run time; None if one is always to its right."""
-    if _same(a, b):
+    if _coincide(a, b):
         return None
     undecided = []
     for c in places:
@@ -123,14 +123,14 @@ def _edge(a: Spot, b: Spot, places: list[Spot]) -> Edge | None:
     return Edge(a, b, tuple(undecided))
 
 
-def _same(a: Spot, b: Spot) -> bool:
+def _coincide(a: Spot, b: Spot) -> bool:
     """Return whether two contacts are at one place."""
-    return not (a.reach or b.reach) and math.hypot(*map(float, _arrow(a, b))) < _TOLERANCE
+    return not (a.reach or b.reach) and math.hypot(*map(float, _between_centres(a, b))) < _TOLERANCE
 
 
 def _side(a: Spot, b: Spot, c: Spot) -> int | None:
     """Return 1 if c is left of a -> b, -1 right, 0 in line with it; None if that depends on the steering."""
-    (ux, uy), (wx, wy) = _arrow(a, b), _arrow(a, c)
+    (ux, uy), (wx, wy) = _between_centres(a, b), _between_centres(a, c)
     area = float(ux * wy - uy * wx)
     u, w = math.hypot(float(ux), float(uy)), math.hypot(float(wx), float(wy))
     du, dw = a.reach + b.reach, a.reach + c.reach
@@ -140,7 +140,7 @@ def _side(a: Spot, b: Spot, c: Spot) -> int | None:
     return None if du or dw else 0
 
 
-def _arrow(a: Spot, b: Spot) -> tuple[Exact, Exact]:
+def _between_centres(a: Spot, b: Spot) -> tuple[Exact, Exact]:
     """Return the vector from the centre of a to the centre of b."""
     return b.centre[0] - a.centre[0], b.centre[1] - a.centre[1]
 
@@ -148,9 +148,9 @@ def _arrow(a: Spot, b: Spot) -> tuple[Exact, Exact]:
 def _between(a: Spot, b: Spot, c: Spot) -> bool:
     """Return whether c, in line with a -> b, needs no edge of its own: inside, or a later wheel at an end."""
     for end in (a, b):
-        if _same(end, c):
+        if _coincide(end, c):
             return c.wheel.index > end.wheel.index
-    (ux, uy), (wx, wy) = _arrow(a, b), _arrow(a, c)
+    (ux, uy), (wx, wy) = _between_centres(a, b), _between_centres(a, c)
     reached = ux * wx + uy * wy
     return reached > ZERO and reached < ux * ux + uy * uy
 

@@ -95,7 +95,7 @@ class Towed(NamedTuple):
     turn: Expr  # yaw rate [rad/s]
 
 
-def convoy(motion: Motion, axle: Axle, twist: Sequence[Expr], names: Locals | None) -> list[Towed]:
+def towed_axles(motion: Motion, axle: Axle, twist: Sequence[Expr], names: Locals | None) -> list[Towed]:
     """Return the motion of the axle of each trailer.
 
     Args:
@@ -144,7 +144,7 @@ def turns(motion: Motion, mobility: Mobility, sideways: bool = True) -> list[Exp
     """
     axle = leading_axle(motion.robot, mobility, motion.frame.view)
     vy = signal("vy") if sideways else sympy.S.Zero
-    return [own.turn for own in convoy(motion, axle, (signal("vx"), vy, signal("omega")), None)]
+    return [own.turn for own in towed_axles(motion, axle, (signal("vx"), vy, signal("omega")), None)]
 
 
 def in_view(length: Length, symbolic: bool) -> Poly:
@@ -182,7 +182,8 @@ def towing_system(motion: Motion, mobility: Mobility) -> System:
     trailers = motion.robot.trailers
     axle = fixed_axle(motion.robot, mobility, motion.frame.view)
     convoys = [
-        convoy(motion, axle or THROUGH_P, [expression(p) for p in twist], None) for twist in motion.twists
+        towed_axles(motion, axle or THROUGH_P, [expression(p) for p in twist], None)
+        for twist in motion.twists
     ]
     posture = system_of("trailer", motion)
     state = (*posture.state, *state_ports(trailers))
@@ -190,7 +191,7 @@ def towing_system(motion: Motion, mobility: Mobility) -> System:
     def code() -> Formula:
         names = Locals()
         rates, twist = posture_rates(motion, names, motion.swivels)
-        rates = (*rates, *(a.turn for a in convoy(motion, axle or THROUGH_P, twist, names)))
+        rates = (*rates, *(a.turn for a in towed_axles(motion, axle or THROUGH_P, twist, names)))
         outputs = zip(map(rate_port, state), rates, strict=True)
         return names.formula("trailer", (*state, *motion.inputs, *posture.geometry), outputs, motion.text)
 
@@ -244,7 +245,7 @@ def trailer(robot: Robot, mobility: Mobility) -> Formula:
     axle = leading_axle(robot, mobility, motion.frame.view)
     model, names = towing_system(motion, mobility), Locals()
     rates, twist = posture_rates(motion, names, motion.swivels)
-    axles = convoy(motion, axle, twist, names)
+    axles = towed_axles(motion, axle, twist, names)
     rates = (*rates, *(a.turn for a in axles))
     outputs = [(rate_port(p), e) for p, e in zip(model.state, rates, strict=True)]
     speed = "speed of the trailer's axle; 0 when jack-knifed"

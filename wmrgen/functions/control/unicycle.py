@@ -44,9 +44,7 @@ from wmrgen.geometry.symbolic import (
 )
 
 _SMALL = 1e-9  # relative: rounding of a rank and of the distance to the set of admissible twists
-AT_GOAL = sympy.Rational(
-    1, 10**9
-)  # [m]: a nearer robot has arrived, because bearings are undefined at the goal
+AT_GOAL = sympy.Rational(1, 10**9)  # [m]: a nearer robot has arrived: at the goal bearings are undefined
 BORDER = sympy.Rational(1, 10**6)  # [rad]: an angle nearer to the end of its range is treated as the end
 
 

@@ -30,7 +30,6 @@ from wmrgen.geometry.symbolic import Expr, expression
 MOST_TERMS = 4_000  # products of terms in a minor that is expanded: a tenth of a second
 MOST_FACTORED = 60  # terms of a minor that is factored: a hundredth of a second
 MOST_BRACKETS = 200  # brackets formed at an exceptional configuration: a second
-MARGIN = 1e-9  # relative rounding error of a sum of coefficients
 THETA = Poly.gen("input", "theta")
 
 
@@ -128,7 +127,9 @@ def _never_zero(p: Poly, values: Mapping[str, Poly]) -> bool:
     terms = fix(p, values).terms
     if any(g.kind not in ("cosf", "sinf") or e < 0 for m in terms for g, e in m):
         return False
-    return abs(float(terms.get((), ZERO))) > (1 + MARGIN) * sum(abs(float(c)) for m, c in terms.items() if m)
+    constant = abs(float(terms.get((), ZERO)))
+    others = sum(abs(float(c)) for m, c in terms.items() if m)
+    return constant > (1 + 1e-9) * others  # more than the rounding error of the sum
 
 
 def _with_growth_vector(system: System, growth: Growth, condition: Poly) -> Exceptional:

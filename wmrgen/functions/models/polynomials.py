@@ -13,8 +13,6 @@ from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.symbolic import Expr, expression
 
 NEGLIGIBLE = 1e-12  # relative: smaller coefficients are rounding errors
-_STEPS = 720  # samples of a full turn, every half degree
-_MARGIN = 1e-3  # share of the largest sample: all samples must be farther from zero
 
 
 def without_lengths(p: Poly) -> Poly:
@@ -145,8 +143,10 @@ def never_zero(poly: Poly, robot: Robot) -> bool:
         return False
     terms = [(float(c), dict(m)) for m, c in valued.terms.items()]
     samples = []
-    for step in range(_STEPS):
-        c, s = cos(2 * pi * step / _STEPS), sin(2 * pi * step / _STEPS)
+    for half_degrees in range(720):
+        angle = half_degrees * pi / 360
+        c, s = cos(angle), sin(angle)
         samples.append(sum(k * c ** powers.get(cosine, 0) * s ** powers.get(sine, 0) for k, powers in terms))
     top = max(abs(v) for v in samples)
-    return min(abs(v) for v in samples) > _MARGIN * top and (min(samples) > 0) == (max(samples) > 0)
+    clear = 1e-3 * top  # samples nearer to zero are treated as zero
+    return min(abs(v) for v in samples) > clear and (min(samples) > 0) == (max(samples) > 0)

@@ -48,7 +48,6 @@ from wmrgen.geometry.symbolic import (
 )
 
 NEAR = sympy.Rational(1, 10**9)  # [m] wheels nearer to each other are treated as at one point
-NEWTON_STEPS = 2  # each doubles the number of correct digits
 FLOOR = sympy.Rational(1, 10**12)  # a slope or a squared eigenvector below is only rounding error
 Twist = tuple[Expr, Expr, Expr]
 
@@ -234,7 +233,7 @@ def _smallest_eigenvalue(gram: list[list[Poly]], names: Locals) -> Expr:
     mean = names.define("mean", times(sympy.Rational(1, 3), trace))
     value = kept_between(sympy.S.Zero, _cosine_root(trace, second, third, mean, names), mean)
     value = names.define("eigenvalue0", value)
-    for k in range(NEWTON_STEPS):
+    for k in range(2):  # Newton steps: each doubles the number of correct digits
         rest = add(third, times(value, subtract(times(value, subtract(trace, value)), second)))
         slope = add(second, times(value, subtract(times(3, value), times(2, trace))))
         step = over(rest, maximum(slope, FLOOR))

@@ -70,7 +70,6 @@ def odometry_increment(_: Robot, __: Mobility) -> Formula:
 _RESTS = tuple(
     Port(f"{p.name}_rest", Role.STATE, p.unit, f"rounding error of {p.name}; 0 at the start") for p in POSE
 )
-_HALF = sympy.Rational(1, 2)
 _MOST_OF_TURN = sympy.Rational(201, 32)  # [rad] 2 pi less 0.0019: eight bits, so that subtracting it is exact
 
 
@@ -130,7 +129,9 @@ def odometry_from_angles(robot: Robot, _: Mobility) -> Formula:
             ports += [p, last]
             turned = wrapped(names.define(f"{wheel}_apart", subtract(signal(p.name), signal(last.name))))
             turned = names.define(f"{wheel}_turned", turned)
-            values[p.name] = names.define(f"{wheel}_middle", add(signal(last.name), times(turned, _HALF)))
+            values[p.name] = names.define(
+                f"{wheel}_middle", add(signal(last.name), times(turned, sympy.S.Half))
+            )
             values[f"{wheel}.steer_rate"] = turned
     fitted = names.adopt(measured, values)
     twist = {p.name: names.define(f"{p.name}_step", fitted[p.name]) for p in TWIST}

@@ -99,7 +99,7 @@ def function(
 
 
 def system(name: str) -> Callable[[_SystemBuilder], _SystemBuilder]:
-    """Declare the decorated builder as that of the model ``name``, a control system q' = G(q) u."""
+    """Declare the decorated builder for the model ``name``, a control system q' = G(q) u."""
 
     def declare(build: _SystemBuilder) -> _SystemBuilder:
         SYSTEMS[name] = build

@@ -157,6 +157,7 @@ def warnings(robot: Robot, asked: bool) -> tuple[str, ...]:
 
 
 def _failing(conditions: tuple[str, ...]) -> str:
+    """Return the clause that conditions fail."""
     return f"{' and '.join(conditions)} fail{'s' * (len(conditions) == 1)}"
 
 

@@ -128,7 +128,7 @@ def _nearest(
 
 
 def _car_limits(robot: Robot, ref: Axle, names: Locals) -> _CarLimits:
-    """Return what the limits of the robot file allow a wheel on the centre line."""
+    """Return the geometry and the limits of a wheel on the centre line."""
     base = wheelbase(robot, ref)
     steered = [w for w in robot.wheels if w.kind.steers]
     if base is None:
@@ -153,6 +153,7 @@ def _smallest(values: list[Expr]) -> Expr:
 
 
 def _refusal(robot: Robot, why: str, reason: Reason) -> NotDerivableError:
+    """Return the error for a robot without `input_limits`."""
     return underivable(robot, "input_limits", why, reason)
 
 
@@ -214,6 +215,7 @@ def _speed_bounds(robot: Robot, steered: list[Wheel], ref: Axle, bend: Expr) -> 
 
 
 def _symmetric(robot: Robot, name: str, limit: Interval) -> Exact:
+    """Return the speed that a limit allows in both directions."""
     top = min(limit.high, -limit.low)
     if top.sign <= 0:
         raise _refusal(

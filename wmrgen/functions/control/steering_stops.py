@@ -207,7 +207,7 @@ class Stops(NamedTuple):
     cones: tuple[Cone, ...]  # one for each wheel with narrow stops
 
     def cut(self, names: Locals) -> tuple[Expr, Expr, Expr]:
-        """Return vx, vy and omega of the input twist, limited to what the stops allow."""
+        """Return vx, vy and omega of the input twist, limited by the stops."""
         ux, uy = self.direction
         ahead = names.define("ahead", expression(_VX.scale(ux) + _VY.scale(uy)))
         outside, sides = list[Expr](), list[Expr]()

@@ -192,7 +192,7 @@ def _wanted(w: Wheel, angles: Interval | None) -> Expr:
 
 
 def _next(w: Wheel, limit: Interval | None, angles: Interval | None, step: Expr) -> Expr:
-    """Return the next angle. ``limit`` is the limit of the rate, ``angles`` that of the angle."""
+    """Return the next angle. ``limit`` limits the rate, ``angles`` limits the angle."""
     now, wanted = present(w, angles), _wanted(w, angles)
     if limit is None:
         return wanted

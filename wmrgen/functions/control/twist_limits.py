@@ -54,8 +54,8 @@ def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
     """Return a twist inside the limits of vx, vy and omega, along the same path; zero below the ``deadband``.
 
     scale = 1 / max(1, component / limit over all three), or 0 if the largest of these is below the deadband. Before
-    that the twist is limited to what the steering stops allow. For a car the stops limit its yaw rate. For a robot
-    without a fixed axle they limit everything but its speed along a direction in which all wheels can roll.
+    that, the steering stops limit the twist. For a car they limit its yaw rate. For a robot without a fixed axle they
+    limit everything but its speed along a direction in which all wheels can roll.
     """
     names = Locals()
     bends: CurvatureRange | Stops | None = curvature_range(robot, mobility, names) or steering_stops(
@@ -188,7 +188,7 @@ def rate_limit(
     Hence D / dt = max(-low, high + (1 + high / low) x / dt), or min instead of max if braking is faster.
 
     Args:
-        limit: The limit of the rate. -``low`` is the limit of braking, ``high`` that of speeding up; both are above 0.
+        limit: The limit of the rate. -``low`` limits braking and ``high`` limits speeding up; both are above 0.
         now: The quantity.
         change: The wanted change, or a quantity with the same sign.
         per_step: 1 / dt [1/s]; may be None if the limit is symmetric.

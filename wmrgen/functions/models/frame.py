@@ -34,7 +34,7 @@ from wmrgen.geometry.exact.poly import Poly, Row, at_angle, dot, each
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.ports import Port
 
-MOST_TERMS = 120  # terms of a velocity: their square takes a second; that of twice as many takes five
+MOST_TERMS = 120  # terms of a velocity: squaring them takes a second, squaring twice as many takes five
 ONE, ZERO = Poly.of(1), Poly({})
 
 

@@ -34,7 +34,8 @@ class StateSpace(NamedTuple):
     inputs: tuple[Port, ...]
     geometry: tuple[Port, ...]  # parameters p
     rates: Formula  # state, inputs and parameters to the rates of the state, in the order of ``state``
-    constraints: Formula | None  # the same arguments to what has to be 0; None if the model has no constraint
+    # the same arguments to residuals that must be 0; None if the model has no constraint
+    constraints: Formula | None
     limited: Limited  # bounds from the robot file
     at_once: tuple[str, ...]  # wheels whose `lag` the model leaves out
 

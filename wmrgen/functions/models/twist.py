@@ -164,7 +164,7 @@ def _swiveling(robot: Robot) -> list[Wheel]:
 
 
 def _driven_castors(robot: Robot) -> list[Wheel]:
-    """Return the first castor of each such group."""
+    """Return the first castor of each group that swings together and has a driven member."""
     return [members[0] for members in robot.together("steer", _swiveling(robot))]
 
 

@@ -7,8 +7,8 @@ linear in s, so s has a closed form:
 * A wheel that does not steer spins at a linear function of the twist: s |change of its spin| <= limit dt.
 * The rim of a steered wheel runs as fast as its pivot moves, v(s) = v + s dv, and changes by at most s |dv|.
 * Let e be the direction of a steered wheel and delta = limit of its steer_rate times dt, the swing that a step allows
-  (delta <= tan delta). The pivot stays in the double cone of this half angle about e if |e x v(s)| <= delta |e .
-  v(s)|. With A = e . v, B = e . dv, C = e x v, D = e x dv and the sign of A this holds for
+  (delta <= tan delta). The pivot stays in the double cone of this half angle about e if
+  |e x v(s)| <= delta |e . v(s)|. With A = e . v, B = e . dv, C = e x v, D = e x dv and the sign of A this holds for
 
       s (|D| - delta B sign A) <= CREEP + delta |A| - |C|.
 

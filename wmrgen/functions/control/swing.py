@@ -26,8 +26,9 @@ direction of the wheel. `inverse` commands the velocity r spin along the angle `
 wheel. The sign is not changed: a wheel more than a quarter turn off, for example one that returns from a steering
 stop, rolls backwards, which moves the robot in the wanted direction. Without stops `inverse` commands swings of at
 most a quarter turn. The spin of a wheel beside its steering axis contains -o omega / r, which is not part of the
-velocity of its pivot and does not change: with the yaw rate omega of the twist, spin' = spin cos - (o / r) omega (1 -
-cos).
+velocity of its pivot and does not change: with the yaw rate omega of the twist,
+
+    spin' = spin cos(steer - steer_now) - (o / r) omega (1 - cos(steer - steer_now))
 
 **A car.** All driven wheels roll at the present steering angles, see `axle_speeds`. Q is the centre of the fixed axle.
 The pivot of a steered wheel is a ahead of Q and b to the left of it. The wheel points along (c, s), seen from the
@@ -218,7 +219,7 @@ def _rates(robot: Robot) -> list[tuple[Wheel, Interval | None]]:
             raise underivable(
                 robot,
                 "steer_toward",
-                f"the limits of {w.name}.steer_rate do not let the wheel hold its angle",
+                f"the limits of {w.name}.steer_rate exclude 0, so the wheel cannot keep its angle",
                 Reason.ONE_SIDED_LIMIT,
             )
     return rates
@@ -231,11 +232,9 @@ _LEAST = sympy.Rational(1, 10**6)
 def car_axle(robot: Robot, mobility: Mobility) -> Axle | None:
     """Return the fixed axle of a robot that is steered as a car; None for any other robot."""
     axle = fixed_axle(robot, mobility, working_view)
-    return (
-        axle
-        if axle is not None and drives(robot, mobility, axle) and _steered_off_axle(robot, axle)
-        else None
-    )
+    if axle is None or not drives(robot, mobility, axle) or not _steered_off_axle(robot, axle):
+        return None
+    return axle
 
 
 def _steered_off_axle(robot: Robot, axle: Axle) -> list[Wheel]:

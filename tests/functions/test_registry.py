@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +15,7 @@ import wmrgen
 from tests.conftest import ROOT
 from wmrgen.analysis.kinematics.pose import SINC
 from wmrgen.analysis.kinematics.records import Formula, Locals
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import Code, RobotFileError
 from wmrgen.functions import registry
 from wmrgen.functions.registry import Kind, declaration, has_function, names, optional_names
 from wmrgen.geometry.exact.number import Exact
@@ -75,19 +76,20 @@ def test_a_robot_that_asks_for_nothing_loads_no_family() -> None:
 
 
 @pytest.mark.parametrize(
-    ("function", "what", "instead"),
+    ("function", "code", "near"),
     [
-        ("dynamcs", "there is no function 'dynamcs'", "Did you mean dynamics?"),
-        ("goto_pos", "there is no function 'goto_pos'", "Did you mean goto_pose?"),
-        ("inverse", "inverse is generated for every robot", "Leave it out here."),
+        ("dynamcs", Code.UNDECLARED, "dynamics"),
+        ("goto_pos", Code.UNDECLARED, "goto_pose"),
+        ("inverse", Code.VALUE, ""),
     ],
 )
-def test_names_that_a_file_cannot_ask_for(tmp_path: Path, function: str, what: str, instead: str) -> None:
+def test_names_that_a_file_cannot_ask_for(tmp_path: Path, function: str, code: Code, near: str) -> None:
     path = asking(tmp_path, "circle", function)
     with pytest.raises(RobotFileError) as caught:
         wmrgen.load(path)
     line = len(UNICYCLE.splitlines()) + 1
-    assert (caught.value.what, caught.value.instead) == (what, instead)
+    assert caught.value.code == code and function in caught.value.what
+    assert caught.value.instead and near in caught.value.instead
     assert caught.value.mark is not None
     assert (caught.value.mark.line, caught.value.mark.column) == (line, len("functions: [circle, ") + 1)
 
@@ -136,7 +138,14 @@ def test_a_function_is_declared_in_one_module(
     first: str, second: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Which may be read again."""
-    monkeypatch.setattr(registry, "_FUNCTIONS", {})
+    with monkeypatch.context() as patch:
+        patch.setitem(registry.FUNCTIONS, "mine", registry.declaration("circle"))  # removed again at the end
+        patch.delitem(registry.FUNCTIONS, "mine")
+        declare_in_two_modules(first, second)
+
+
+def declare_in_two_modules(first: str, second: str) -> None:
+    """The first may declare it again, the second may not."""
 
     def declare(module: str) -> None:
         def mine(robot: Any, mobility: Any) -> Any: ...
@@ -146,8 +155,9 @@ def test_a_function_is_declared_in_one_module(
 
     declare(first)
     declare(first)
-    with pytest.raises(ValueError, match=f"function mine of {second} is declared in {first}"):
+    with pytest.raises(ValueError, match=r"\bmine\b") as caught:
         declare(second)
+    assert all(re.search(rf"\b{module}\b", str(caught.value)) for module in (first, second))
 
 
 def test_a_function_from_outside_is_derived_printed_and_reported(tmp_path: Path) -> None:
@@ -160,7 +170,7 @@ def test_an_input_without_a_port_is_told() -> None:
     """A builder that forgets `tunable_ports`, which robots of constants would not show."""
     out = Port("half", Role.COMMAND, "m", "half of the radius")
     formula = Formula("half_radius", (), (), ((out, parameter("radius")),), "half of the radius")
-    with pytest.raises(ValueError, match=r"half_radius uses radius, .* tunable_ports\(robot\)"):
+    with pytest.raises(ValueError, match=r"half_radius .*\bradius\b.* tunable_ports\(robot\)"):
         lower(formula)
 
 
@@ -168,27 +178,28 @@ VX, VY = signal("vx"), signal("vy")
 
 
 @pytest.mark.parametrize(
-    ("value", "words"),
+    ("value", "names"),
     [
-        (0.5 * VX, r"writes 0\.50* \(Float\), which is no operation"),
-        (3, r"writes 3 \(int\), which is no operation"),
-        (Exact(3), r"writes 3 \(Exact\), which is no operation"),
-        (VX / sympy.Integer(0), "writes zoo"),
-        (sympy.exp(VX), r"writes exp\(vx\)"),
-        (sympy.Symbol("vx"), r"writes vx \(Symbol\)"),
-        (sympy.cbrt(VX), r"writes vx\*\*\(1/3\) \(Pow\)"),
-        (sympy.Max(VX, VY, 1), r"writes Max\(1, vx, vy\)"),
-        (sympy.Piecewise((VX, VX <= 0), (VY, True)), "writes Piecewise"),
-        (sympy.Piecewise((VX, VX < 0), (VY, VY < 1), (VX, True)), "writes Piecewise"),
-        (sympy.Piecewise((VX, VX < 0), (VY, VY < 1)), "writes Piecewise"),
-        (sympy.Piecewise((VX, VX < 0)), "writes Piecewise"),
-        (local("half"), "uses half, which is none of its intermediate results"),
+        (0.5 * VX, ("0.5", "Float")),
+        (3, ("3", "int")),
+        (Exact(3), ("3", "Exact")),
+        (VX / sympy.Integer(0), ("zoo",)),
+        (sympy.exp(VX), ("exp(vx)",)),
+        (sympy.Symbol("vx"), ("vx", "Symbol")),
+        (sympy.cbrt(VX), ("vx**(1/3)", "Pow")),
+        (sympy.Max(VX, VY, 1), ("Max(1, vx, vy)",)),
+        (sympy.Piecewise((VX, VX <= 0), (VY, True)), ("Piecewise",)),
+        (sympy.Piecewise((VX, VX < 0), (VY, VY < 1), (VX, True)), ("Piecewise",)),
+        (sympy.Piecewise((VX, VX < 0), (VY, VY < 1)), ("Piecewise",)),
+        (sympy.Piecewise((VX, VX < 0)), ("Piecewise",)),
+        (local("half"), ("half",)),
     ],
 )
-def test_what_is_no_operation_is_told(value: Expr, words: str) -> None:
+def test_what_is_no_operation_is_told(value: Expr, names: tuple[str, ...]) -> None:
     formula = Formula("wrong", TWIST, (), ((output("value", "m", ""), value),), "")
-    with pytest.raises(ValueError, match=f"wrong ({words})"):
+    with pytest.raises(ValueError, match="wrong") as caught:
         lower(formula)
+    assert all(name in str(caught.value) for name in names)
 
 
 def test_a_condition_may_be_written_from_either_side() -> None:
@@ -202,7 +213,7 @@ def test_a_condition_may_be_written_from_either_side() -> None:
 
 def test_a_kernel_is_called_with_its_arguments() -> None:
     for args in ({"x": VX}, {"h": VX, "x": VX}, {}):
-        with pytest.raises(ValueError, match="the kernel sinc takes h, and the call gives"):
+        with pytest.raises(ValueError, match=r"\bsinc\b.*\bh\b"):
             Locals().call(SINC, args)
 
 
@@ -211,28 +222,28 @@ def test_a_builder_that_returns_nothing(monkeypatch: pytest.MonkeyPatch, tmp_pat
         return None
 
     declared = registry.Declaration("mine", build, "ours", Kind.OPTIONAL, Limits.NONE, bool, False, False)
-    monkeypatch.setitem(registry._FUNCTIONS, "mine", declared)
-    with pytest.raises(TypeError, match="the builder of mine returns None, which is no Formula"):
+    monkeypatch.setitem(registry.FUNCTIONS, "mine", declared)
+    with pytest.raises(TypeError, match=r"\bmine\b.*\bNone\b.*\bFormula\b"):
         _ = wmrgen.derive(wmrgen.load(asking(tmp_path, "mine"))).raw_module
 
 
 @pytest.mark.parametrize(
-    ("name", "inputs", "outputs", "words"),
+    ("name", "inputs", "outputs", "names"),
     [
-        ("other", (), ("a",), "the builder of mine calls its formula other"),
-        ("mine", (), ("a", "a"), "mine has two outputs called a"),
-        ("mine", ("vx",), ("a",), "mine has two inputs called vx"),
-        ("mine", ("left.spin", "left_spin"), ("a",), "mine has two inputs called left_spin"),
-        ("mine", (), ("my radius",), "mine has an output called 'my radius'"),
-        ("mine", ("2nd",), ("a",), "mine has an input called '2nd'"),
-        ("mine", ("left.double",), ("a",), "an input called double: C or"),
-        ("mine", (), ("lambda",), "an output called lambda: Python keeps that word"),
-        ("mine", ("ω",), ("a",), "mine has an input called 'ω'"),
+        ("other", (), ("a",), ("mine", "other")),
+        ("mine", (), ("a", "a"), ("mine", "output", "a")),
+        ("mine", ("vx",), ("a",), ("mine", "input", "vx")),
+        ("mine", ("left.spin", "left_spin"), ("a",), ("mine", "input", "left_spin")),
+        ("mine", (), ("my radius",), ("mine", "output", "my radius")),
+        ("mine", ("2nd",), ("a",), ("mine", "input", "2nd")),
+        ("mine", ("left.double",), ("a",), ("input", "double", "C ")),
+        ("mine", (), ("lambda",), ("output", "lambda", "Python")),
+        ("mine", ("ω",), ("a",), ("mine", "input", "ω")),
     ],
 )
 def test_a_formula_of_which_no_code_can_be_written(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str, inputs: tuple[str, ...],
-    outputs: tuple[str, ...], words: str,
+    outputs: tuple[str, ...], names: tuple[str, ...],
 ) -> None:  # fmt: skip
     def build(robot: object, mobility: object) -> Formula:
         del robot, mobility
@@ -240,7 +251,8 @@ def test_a_formula_of_which_no_code_can_be_written(
         return Formula(name, given, (), tuple((output(called, "m", ""), VX) for called in outputs), "")
 
     declared = registry.Declaration("mine", build, "ours", Kind.OPTIONAL, Limits.NONE, bool, False, False)
-    monkeypatch.setitem(registry._FUNCTIONS, "mine", declared)
+    monkeypatch.setitem(registry.FUNCTIONS, "mine", declared)
     derivation = wmrgen.derive(wmrgen.load(asking(tmp_path, "mine")))
-    with pytest.raises(ValueError, match=words):
+    with pytest.raises(ValueError, match=name) as caught:
         _ = derivation.raw_module
+    assert all(word in str(caught.value) for word in names)

@@ -18,7 +18,7 @@ from tests.laws.test_command_path import CAR, call
 from tests.oracle.harness import named, twist_of
 from tests.robots import of_text
 from wmrgen.derivation.facade import Derivation
-from wmrgen.functions.control.steering_cone import CREEP
+from wmrgen.functions.control.setpoint import CREEP
 
 Case = dict[str, float]
 DT = 0.02

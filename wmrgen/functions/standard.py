@@ -1,4 +1,4 @@
-"""What is generated for every robot: its kinematics as functions."""
+"""Declare the functions that every robot has: its kinematics."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from wmrgen.geometry.ports import Limits
 
 @function("Siegwart (3.12)-(3.19)", Kind.FIRMWARE, Limits.COMMANDED)
 def inverse(robot: Robot, mobility: Mobility) -> Formula:
-    """The twist of P and present steering angles to every joint's command."""
+    """Return joint commands for a twist of P and the present steering angles."""
     return kinematics.inverse(robot, mobility)
 
 
 @function("Siegwart (3.24), (3.26); Tzafestas (2.8a)", Kind.FIRMWARE, Limits.MEASURED)
 def forward(robot: Robot, _: Mobility) -> Formula:
-    """Sensed joint rates and angles to the twist of P and its residual."""
+    """Return the twist of P and its residual for sensed joint rates and angles."""
     return kinematics.forward(robot)
 
 
 @function("Konstantinov, case of constant speeds; sinc near 0 is ours", Kind.FIRMWARE, Limits.MEASURED)
 def odometry(_: Robot, __: Mobility) -> Formula:
-    """The pose after a step at constant twist."""
+    """Return the pose after a step at constant twist."""
     return kinematics.odometry()
 
 
 @function("Siegwart 3.4; Campion, Bastin, d'Andrea-Novel (1996)", Kind.STANDARD)
 def dynamics(robot: Robot, mobility: Mobility) -> Formula:
-    """The posture model in the inputs of the null space."""
+    """Return the rates of the posture for inputs along the null space."""
     return kinematics.dynamics(robot, mobility)
 
 
@@ -41,7 +41,7 @@ def dynamics(robot: Robot, mobility: Mobility) -> Formula:
     exists=lambda robot: kinematics.contacts(robot) is not None,
 )
 def contacts(robot: Robot, _: Mobility) -> Formula:
-    """Speeds of rollers and of spheres."""
+    """Return the speeds of rollers and spheres for a twist."""
     formula = kinematics.contacts(robot)
     if formula is None:
         raise NotDerivableError(

@@ -26,43 +26,47 @@ from wmrgen.geometry.symbolic import (
 
 
 class Domain(NamedTuple):
-    """The model holds where ``expression`` is not zero; ``text`` says what happens there, names in backticks."""
+    """A condition of a model: it holds if ``expression`` is not zero."""
 
     expression: Expr
-    text: str
+    text: str  # what happens where it is zero, with names in backticks
 
 
 class System(NamedTuple):
-    """State q, inputs u and vector fields. The symbol of a port is ``signal(port.name)``.
-
-    ``fields[k][i]``: component i of g_k, an exact expression in the state and in ``geometry``: the tunable
-    parameters, or in the symbolic view all of them; the symbol of those is ``parameter(port.name)``.
-    ``code`` returns the same rates by way of the twist, in the fewest operations; None if the fields say it as shortly.
-    """
+    """State q, inputs u and vector fields. The symbol of a port is ``signal(port.name)``."""
 
     name: str
     text: str
     state: tuple[Port, ...]
     inputs: tuple[Port, ...]
+    # ``fields[k][i]``: component i of g_k, an exact expression in the state and in ``geometry``
     fields: tuple[tuple[Expr, ...], ...]
+    # parameters that remain symbols, ``parameter(port.name)``: the tunable ones, or all in the symbolic
+    # view
     geometry: tuple[Port, ...] = ()
     domain: tuple[Domain, ...] = ()
+    # the same rates by way of the twist, in fewer operations; None if the fields are as short
     code: Callable[[], Formula] | None = None
 
     @property
     def G(self) -> sympy.Matrix:
-        """(states) x (inputs): q' = G(q) u. Column k is the vector field of input k."""
+        """Return G of q' = G(q) u, (states) x (inputs): column k is the vector field of input k."""
         return sympy.Matrix(len(self.state), len(self.inputs), lambda i, k: self.fields[k][i])
 
     @property
     def rates(self) -> tuple[Expr, ...]:
-        """q' as expressions in state, inputs and geometry, in the order of the state."""
+        """Return q' as expressions in state, inputs and geometry, in the order of the state."""
         pairs = [(field, signal(u.name)) for field, u in zip(self.fields, self.inputs, strict=True)]
-        return tuple(add(*(times(field[i], u) for field, u in pairs)) for i in range(len(self.state)))
+        rates = []
+        for i in range(len(self.state)):
+            rates.append(add(*(times(field[i], u) for field, u in pairs)))
+        return tuple(rates)
 
     def formula(self, guards: bool = True) -> Formula:
-        """State and inputs to the rates of the state. Where a divisor of the model vanishes its quotient reads 0, but
-        without ``guards``, which cost an optimiser time."""
+        """Return the function from state and inputs to the rates of the state.
+
+        With ``guards`` a quotient is 0 if a divisor of the model vanishes. Optimisers are faster without them.
+        """
         inputs = (*self.state, *self.inputs, *self.geometry)
         if self.code:
             plain = replace(self.code(), name=self.name, inputs=inputs, text=self.text)
@@ -73,44 +77,52 @@ class System(NamedTuple):
 
 
 class Lag(NamedTuple):
-    """A steering angle that follows its ``command`` [rad] at ``rate`` [rad/s], with a time ``constant`` [s]."""
+    """A steering angle that follows its command with first-order lag."""
 
-    command: Port
-    rate: Expr
-    constant: Exact
+    command: Port  # wanted angle [rad]
+    rate: Expr  # rad/s
+    constant: Exact  # time constant [s]
 
 
-def of_commands(text: str, lags: Mapping[str, Lag]) -> str:
-    """What is said of a model, with commands in place of the rates that follow from them."""
+def with_commands(text: str, lags: Mapping[str, Lag]) -> str:
+    """Return a description of a model with commands in place of the rates that follow from them."""
     for name, lag in lags.items():
         text = text.replace(name, lag.command.name)
     return text
 
 
 def rate_port(port: Port) -> Port:
-    """``x`` -> ``x_rate``, ``front.steer`` -> ``front.steer_rate``, ``front.angle`` -> ``front.spin``."""
+    """Return the port of the rate: ``x`` -> ``x_rate``, ``front.steer`` -> ``front.steer_rate``, ``front.angle`` ->
+    ``front.spin``."""
     name = f"{port.name[:-6]}.spin" if port.name.endswith(".angle") else f"{port.name}_rate"
     unit = f"{port.unit}/s" if port.unit else "1/s"
     return Port(name, Role.COMMAND, unit, f"rate of {port.name}")
 
 
-SMALLEST = sympy.Rational(1, 10**9)  # a divisor nearer to zero than this counts as zero
+SMALLEST = sympy.Rational(1, 10**9)  # a smaller divisor, in its SI unit, is treated as zero
 
 
 class Gate(NamedTuple):
-    """Open where |value| is at least ``least``."""
+    """A condition: open if |value| is at least ``least``."""
 
     value: Expr
     least: Expr
 
     def choose(self, closed: Expr, opened: Expr) -> Expr:
-        """``opened`` where the gate is open."""
+        """Return ``opened`` if the gate is open, else ``closed``."""
         return select(absolute(self.value), self.least, closed, opened)
 
     def inverse(self, names: Locals, divisor: Expr, kept: str, name: str, power: Expr = -1) -> Local:
-        """``name`` = divisor**power, power < 0: 0 where the gate is closed.
+        """Return divisor**power, or 0 if the gate is closed.
 
-        The divisor itself is ``kept`` off zero, so that neither the value nor a derivative is NaN there.
+        The divisor gets a lower bound first, so that neither the value nor a derivative is NaN there.
+
+        Args:
+            names: Takes the intermediate results.
+            divisor: The divisor.
+            kept: The name of the divisor with the lower bound.
+            name: The name of the result.
+            power: A negative power.
         """
         same = divisor == self.value
         safe = names.define(
@@ -120,10 +132,15 @@ class Gate(NamedTuple):
 
 
 def guarded(expr: Expr, names: Locals, memo: dict[Expr, Expr]) -> Expr:
-    """``expr`` with every 1/d, d not of geometry alone, replaced by a local that is 0 where d is, and what stands under
-    a root kept from falling below 0 by rounding: it is a sum of squares, multiplied out.
+    """Return ``expr`` with every 1/d replaced by a local that is 0 if d is 0, and roots without negative arguments.
 
-    ``memo`` keeps what shared parts became.
+    Divisors that consist of geometry alone are not changed. The argument of a root is a sum of squares, multiplied
+    out, which rounding may make negative.
+
+    Args:
+        expr: The expression.
+        names: Takes the intermediate results.
+        memo: Results of shared parts.
     """
     if not expr.args:
         return expr
@@ -144,7 +161,7 @@ def guarded(expr: Expr, names: Locals, memo: dict[Expr, Expr]) -> Expr:
 
 
 def with_guards(formula: Formula) -> Formula:
-    """``formula`` with every quotient 0 where its divisor, not of geometry alone, is: see `guarded`."""
+    """Return ``formula`` with every quotient 0 if its divisor is 0: see `guarded`."""
     names, memo = Locals(), dict[Expr, Expr]()
     for symbol, value in formula.locals:
         names.define(symbol.name, guarded(value, names, memo))
@@ -156,17 +173,19 @@ def with_guards(formula: Formula) -> Formula:
 
 
 def _divides(expr: Expr) -> bool:
+    """Return whether an expression is a quotient by more than geometry."""
     if not isinstance(expr, sympy.Pow) or not expr.exp.is_Rational or expr.exp >= 0:
         return False
     return _moves(expr.base)
 
 
 def _moves(expr: Expr) -> bool:
-    """It is not of geometry alone."""
+    """Return whether an expression consists of more than geometry."""
     return any(not isinstance(s, Parameter) for s in expr.free_symbols)
 
 
 def _rebuilt(expr: Expr, args: list[Expr]) -> Expr:
+    """Return ``expr`` with new arguments, unchanged if they are the same."""
     if all(a is b for a, b in zip(args, expr.args, strict=True)):
         return expr
     if isinstance(expr, sympy.Add):

@@ -16,8 +16,9 @@ from tests.functions.control.corners import (
     robot_text,
     twists,
 )
+from tests.functions.refusals import missing_names, refused
 from wmrgen.codegen.c.checked import ranges
-from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import Reason, UnderivableError
 from wmrgen.geometry.ports import Site
 from wmrgen.ir.bounds.robot import data, header_lines
 from wmrgen.ir.rounding import nearest_float32
@@ -133,21 +134,23 @@ def test_what_inverse_asks_beyond_the_limits_is_what_it_is_for() -> None:
 
 
 @pytest.mark.parametrize(
-    ("limits", "named"),
+    ("limits", "reason", "names"),
     [
-        ("", "fl, fr, bl, br have no limit of spin"),
-        ("limits: {spin: [0, 4]}", "the limits of fl.spin leave nothing on one side of 0"),
+        ("", Reason.NO_LIMIT, ("fl", "fr", "bl", "br", "spin: 40")),
+        ("limits: {spin: [0, 4]}", Reason.ONE_SIDED_LIMIT, ("fl.spin",)),
     ],
 )
-def test_what_is_missing_is_named(limits: str, named: str) -> None:
-    with pytest.raises(NotDerivableError, match=named):
+def test_what_is_missing_is_named(limits: str, reason: Reason, names: tuple[str, ...]) -> None:
+    with refused(reason, *names):
         _ = derived(robot_text(MECANUM, limits), "desaturate").program
 
 
 def test_one_wheel_without_a_limit_is_named() -> None:
     three = MECANUM.replace("}", ", limits: {spin: 4}}", 3)
-    with pytest.raises(NotDerivableError, match="br has no limit of spin"):
+    with pytest.raises(UnderivableError) as caught:
         _ = derived(robot_text(three), "desaturate").program
+    assert caught.value.reason is Reason.NO_LIMIT
+    assert missing_names(caught.value, tuple(CORNERS)) == [n for n in CORNERS if n != "br"]
 
 
 def test_room_for_steering_beside_the_axis() -> None:
@@ -157,5 +160,5 @@ def test_room_for_steering_beside_the_axis() -> None:
     d = derived(text, "desaturate", "steer_toward")
     fast = {f"{n}.spin": 50.0 for n in CORNERS}
     assert call(d, "desaturate", fast)["fl.spin"] == pytest.approx(8 - 1.2)
-    with pytest.raises(NotDerivableError, match="no room inside its limit of spin"):
+    with refused(Reason.LIMIT_TOO_NARROW, "fl", "1.2 rad/s"):
         _ = derived(robot_text(beside, "limits: {spin: 1, steer_rate: 3}"), "desaturate").program

@@ -19,9 +19,10 @@ from tests.functions.control.corners import (
     steers,
     twists,
 )
+from tests.functions.refusals import refused
 from wmrgen.codegen.c.driver import evaluate_c
 from wmrgen.derivation.facade import Derivation
-from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import Reason
 from wmrgen.ir.interpret import evaluate
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import TARGETS, Choice
@@ -186,7 +187,7 @@ def test_coupled_pairs_are_one_module() -> None:
 
 def test_one_motor_needs_no_agreement() -> None:
     text = robot_text(SWERVE, "couplings: [{equal: [fl.steer, fr.steer, bl.steer, br.steer]}]")
-    with pytest.raises(NotDerivableError, match="one motor"):
+    with refused(Reason.SHARED_MOTOR, "inverse"):
         _ = derived(text, "inverse_together").program
 
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from tests.functions.control.corners import CORNERS, SWERVE, call, derived, robot_text
+from tests.functions.refusals import refused
 from wmrgen.derivation.facade import Derivation
-from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import Reason
 
 TUNABLE = "parameters: {a: {value: 0.3, tunable: true}}"
 THREE = SWERVE.replace("x: 0.3, y: 0.25,", "x: a, y: 0.1,").rsplit("\n", 1)[0]
@@ -50,16 +51,18 @@ def test_no_motion_is_left_and_no_wheel_swings_further_than_it_must(which: int) 
 
 
 @pytest.mark.parametrize(
-    ("wheels", "lines", "why"),
+    ("wheels", "lines", "reason", "names"),
     [
-        ("\n".join(SWERVE.split("\n")[::3]), (), "on one line"),
-        (SWERVE, ("limits: {steer: 30 deg}",), "steering stops of fl keep it"),
-        (SWERVE, ("couplings: [{equal: [fl.steer, br.steer]}]",), "steered by one motor"),
-        ("  - {name: a, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}", (), "no wheel is steered"),
+        ("\n".join(SWERVE.split("\n")[::3]), (), Reason.WHEELS_ON_ONE_LINE, ()),
+        (SWERVE, ("limits: {steer: 30 deg}",), Reason.STEERING_STOPS, ("fl",)),
+        (SWERVE, ("couplings: [{equal: [fl.steer, br.steer]}]",), Reason.SHARED_MOTOR, ("fl", "br")),
+        ("  - {name: a, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}", (), Reason.NOT_STEERED, ()),
     ],
 )
-def test_what_cannot_be_locked_is_named(wheels: str, lines: tuple[str, ...], why: str) -> None:
-    with pytest.raises(NotDerivableError, match=why):
+def test_what_cannot_be_locked_is_named(
+    wheels: str, lines: tuple[str, ...], reason: Reason, names: tuple[str, ...]
+) -> None:
+    with refused(reason, *names):
         _ = derived(robot_text(wheels, *lines), "lock").program
 
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from tests.functions.control.corners import CORNERS, MECANUM, SWERVE, call, derived, robot_text
+from tests.functions.refusals import refused
 from wmrgen.derivation.facade import Derivation
-from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import Reason
 
 PAIR = """\
   - {name: left, type: fixed, x: 0, y: 0.5, heading: 0, r: 0.1}
@@ -57,9 +58,9 @@ def test_the_first_part_is_kept_and_the_rest_is_the_most_that_fits(name: str, wh
 
 def test_what_has_no_choice_is_named() -> None:
     tricycle = PAIR + "\n  - {name: front, type: steered, x: 0.5, y: 0, heading: 0, r: 0.1}"
-    for wheels, why in (
-        (tricycle, "turns only as it drives"),
-        (SWERVE.replace("}", ", offset_y: 0.02}"), "beside"),
+    for wheels, reason, names in (
+        (tricycle, Reason.CAR, ("limit_twist",)),
+        (SWERVE.replace("}", ", offset_y: 0.02}"), Reason.BESIDE_STEERING_AXIS, ("fl", "offset_y")),
     ):
-        with pytest.raises(NotDerivableError, match=why):
+        with refused(reason, *names):
             _ = derived(robot_text(wheels, LIMITS), "turn_first").program

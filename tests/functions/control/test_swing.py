@@ -18,10 +18,11 @@ from tests.functions.control.corners import (
     steers,
     twists,
 )
+from tests.functions.refusals import refused
 from wmrgen.codegen.c.checked import ranges
 from wmrgen.codegen.c.driver import evaluate_c
 from wmrgen.derivation.facade import Derivation
-from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import Reason
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.ports import Site
 from wmrgen.ir.kernels.choice import Choice
@@ -113,19 +114,20 @@ def test_it_is_proved_for_what_inverse_commands() -> None:
 
 
 @pytest.mark.parametrize(
-    ("wheels", "limits", "why"),
+    ("wheels", "limits", "reason", "names"),
     [
-        (SWERVE, "", "write limits: {steer_rate: 2}"),
-        (SWERVE, "limits: {steer_rate: [0.1, 2]}", "do not let the wheel hold its angle"),
+        (SWERVE, "", Reason.NO_LIMIT, ("steer_rate: 2",)),
+        (SWERVE, "limits: {steer_rate: [0.1, 2]}", Reason.ONE_SIDED_LIMIT, ("fl.steer_rate",)),
         (
             "  - {name: a, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}",
             "limits: {steer_rate: 1}",
-            "is steered",
+            Reason.NOT_STEERED,
+            ("steer_toward",),
         ),
     ],
 )
-def test_what_is_missing_is_named(wheels: str, limits: str, why: str) -> None:
-    with pytest.raises(NotDerivableError, match=why):
+def test_what_is_missing_is_named(wheels: str, limits: str, reason: Reason, names: tuple[str, ...]) -> None:
+    with refused(reason, *names):
         _ = derived(robot_text(wheels, limits), "steer_toward").program
 
 
@@ -191,14 +193,16 @@ def test_the_wheels_of_one_motor_are_seen_as_one() -> None:
 
 
 @pytest.mark.parametrize(
-    ("wheels", "lines", "why"),
+    ("wheels", "lines", "reason", "names"),
     [
-        (SWERVE.replace("}", ", actuated: [steer]}"), (), "no wheel is steered, or none is driven"),
-        (SWERVE, ("couplings:", "  - {equal: [fl.spin, br.spin]}"), "fl and br turn as one and steer each"),
+        (SWERVE.replace("}", ", actuated: [steer]}"), (), Reason.NOT_STEERED, ()),
+        (SWERVE, ("couplings:", "  - {equal: [fl.spin, br.spin]}"), Reason.SHARED_MOTOR, ("fl", "br")),
     ],
 )
-def test_what_no_factor_makes_right_is_refused(wheels: str, lines: tuple[str, ...], why: str) -> None:
-    with pytest.raises(NotDerivableError, match=why):
+def test_what_no_factor_makes_right_is_refused(
+    wheels: str, lines: tuple[str, ...], reason: Reason, names: tuple[str, ...]
+) -> None:
+    with refused(reason, *names):
         _ = compensated(wheels, *lines).program
 
 

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 
 from tests.functions.control.corners import FLOAT32, MECANUM, SWERVE, call, derived, robot_text, steers
+from tests.functions.refusals import refused
 from wmrgen.codegen.c.checked import ranges
 from wmrgen.codegen.c.driver import evaluate_c
 from wmrgen.derivation.facade import Derivation
-from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import Reason
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.ports import Site
 from wmrgen.ir.kernels.choice import Choice
@@ -167,17 +168,17 @@ def test_it_is_looked_at_beyond_the_limits() -> None:
 
 
 @pytest.mark.parametrize(
-    ("lines", "why"),
+    ("lines", "reason", "names"),
     [
-        ((), r"it has no limits of vx, vy and omega; write limits: \{vx: 1, omega: 2\}"),
-        (("limits: {vx: [0, 1], omega: 1}",), "the limits of vx leave nothing on one side of 0"),
-        (("limits: {vx: 1, omega: [-2, -1]}",), "the limits of omega leave nothing on one side of 0"),
-        (("limits: {vx: 1}", "deadband: 0.01"), "deadband is a share of limits, and omega has none"),
-        (("limits: {omega: 1, vy: 1}", "deadband: 0.01"), "deadband is a share of limits, and vx has none"),
+        ((), Reason.NO_LIMIT, ("vx: 1", "omega: 2")),
+        (("limits: {vx: [0, 1], omega: 1}",), Reason.ONE_SIDED_LIMIT, ("vx",)),
+        (("limits: {vx: 1, omega: [-2, -1]}",), Reason.ONE_SIDED_LIMIT, ("omega",)),
+        (("limits: {vx: 1}", "deadband: 0.01"), Reason.NO_LIMIT, ("deadband", "omega")),
+        (("limits: {omega: 1, vy: 1}", "deadband: 0.01"), Reason.NO_LIMIT, ("deadband", "vx")),
     ],
 )
-def test_what_is_missing_is_named(lines: tuple[str, ...], why: str) -> None:
-    with pytest.raises(NotDerivableError, match=why):
+def test_what_is_missing_is_named(lines: tuple[str, ...], reason: Reason, names: tuple[str, ...]) -> None:
+    with refused(reason, *names):
         _ = limited(*lines).program
 
 
@@ -280,17 +281,18 @@ def test_what_has_no_limit_goes_along() -> None:
 
 
 @pytest.mark.parametrize(
-    ("limits", "why"),
+    ("limits", "reason", "names"),
     [
         (
             "limits: {vx: 1, omega: 1}",
-            r"no limits of the rates of vx, vy and omega; write limits: \{vx_rate: 1",
+            Reason.NO_LIMIT,
+            ("vx_rate: 1", "omega_rate: 2"),
         ),
-        ("limits: {vx_rate: [0, 1]}", "the limits of vx_rate leave nothing on one side of 0"),
+        ("limits: {vx_rate: [0, 1]}", Reason.ONE_SIDED_LIMIT, ("vx_rate",)),
     ],
 )
-def test_what_is_missing_for_it_is_named(limits: str, why: str) -> None:
-    with pytest.raises(NotDerivableError, match=why):
+def test_what_is_missing_for_it_is_named(limits: str, reason: Reason, names: tuple[str, ...]) -> None:
+    with refused(reason, *names):
         _ = accelerated(limits).program
 
 

@@ -244,7 +244,7 @@ def test_limits_that_no_angle_keeps_are_told() -> None:
     entries = of_text(text.replace("[steer]}", "[steer], limits: {steer: [-0.5, -0.3]}}")).entries("posture")
     (angle,) = [e for e in entries["x"] if e["name"].endswith(".steer")]
     assert angle["lower"] > angle["upper"]
-    assert entries["text"].endswith(f"; no {angle['name']} keeps the limits of all wheels that follow")
+    assert angle["name"] in entries["text"].split("; ")[-1]
 
 
 @pytest.mark.parametrize("away", [0, 10_000, 100_000])

@@ -17,9 +17,10 @@ import pytest
 
 import wmrgen
 from tests.functions.motion.common import run_cli
+from tests.functions.refusals import mistaken
 from tests.robots import of_text
 from wmrgen.derivation.facade import Derivation
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import Code
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.interpret import FLOAT64, evaluate
 from wmrgen.ir.lower import lower
@@ -163,27 +164,27 @@ WHEEL = "  - {{name: extra, type: {}, x: 0.1, y: {}, heading: {}, r: 0.1{}}}\n"
 
 
 @pytest.mark.parametrize(
-    ("track", "wheel", "message"),
+    ("track", "wheel", "names"),
     [
-        ("0", "", "not positive"),
-        ("-1.2", "", "not positive"),
-        ("1", WHEEL.format("swedish", 0, 0, ", gamma: 45 deg"), "extra"),
-        ("1", WHEEL.format("fixed", 0, 0.1, ""), "not parallel"),
+        ("0", "", ()),
+        ("-1.2", "", ()),
+        ("1", WHEEL.format("swedish", 0, 0, ", gamma: 45 deg"), ("extra",)),
+        ("1", WHEEL.format("fixed", 0, 0.1, ""), ()),
     ],
 )
-def test_robots_that_do_not_skid_have_none(track: str, wheel: str, message: str) -> None:
-    with pytest.raises(RobotFileError, match=message):
+def test_robots_that_do_not_skid_have_none(track: str, wheel: str, names: tuple[str, ...]) -> None:
+    with mistaken(Code.VALUE, "wide", "effective_track", *names):
         of_text(HUSKY.text(track) + wheel)
 
 
 @pytest.mark.parametrize("wheels", [HUSKY.wheels[::2], HUSKY.wheels[:1]])
 def test_one_side_has_no_track(wheels: tuple[tuple[float, float, float], ...]) -> None:
-    with pytest.raises(RobotFileError, match="one side"):
+    with mistaken(Code.VALUE, "wide", "effective_track"):
         of_text(Base(wheels).text("1"))
 
 
 def test_a_robot_without_fixed_wheels_has_no_track() -> None:
-    with pytest.raises(RobotFileError, match="one side"):
+    with mistaken(Code.VALUE, "wide", "effective_track"):
         of_text(Base(()).text("1") + "  - {name: ball, type: spherical, x: 0, y: 0}\n")
 
 
@@ -207,10 +208,10 @@ def test_an_effective_track_is_advised_where_it_can_be_said(
     texts = (run_cli("lint", str(path), code=1)[0], " ".join(derivation.mobility.reasons), model)
     assert ["effective_track" in text for text in texts[1:]] == [possible] * 2
     assert ("Write effective_track" in texts[0]) == possible
-    assert ("it holds where no steered wheel slides" in model) == ("steered" in wheel)
+    assert ("no steered wheel" in model) == ("steered" in wheel)
 
 
-@pytest.mark.parametrize(("ratio", "where"), [(1, "every curve"), (-1, "every motion but one")])
+@pytest.mark.parametrize(("ratio", "where"), [(1, "curve"), (-1, "motion")])
 def test_a_locked_axle_slides_whatever_its_model_in_twist_inputs_is_told(ratio: int, where: str) -> None:
     """And the model says so, beside what it says of the steered wheel."""
     text = (
@@ -221,7 +222,8 @@ def test_a_locked_axle_slides_whatever_its_model_in_twist_inputs_is_told(ratio: 
         f"couplings:\n  - {{equal: [left.spin, right.spin], ratios: [1, {ratio}]}}\n"
     )
     model = of_text(text).system("twist").text
-    assert model.endswith(f"it holds where no steered wheel slides; wheels slide, as they do in {where}")
+    *_, rolling, sliding = model.split("; ")
+    assert "steered wheel" in rolling and "slide" in sliding and f"every {where}" in sliding
 
 
 BESIDE = ((0.7, 0.1), (-0.6, -0.35))  # pivots of steered wheels, in the frame of the base

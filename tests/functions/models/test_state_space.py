@@ -16,8 +16,9 @@ import pytest
 
 import wmrgen
 from tests.conftest import GALLERY, ROOT
+from tests.functions.refusals import missing_names
 from tests.robots import ROBOTS, of_gallery, of_text
-from wmrgen.errors import NotDerivableError, UsageError
+from wmrgen.errors import Code, NotDerivableError, UsageError
 
 STEERED = ("wpilib_swervebot", "agilex_ranger", "ackermann_car", "pr2", "synchro_drive")
 
@@ -221,7 +222,7 @@ def test_rates_of_inputs_are_bounded_as_the_file_says() -> None:
 )
 def test_what_is_no_step_is_refused(dt: float) -> None:
     kind, message = (
-        ("euler", "exact, rk4 or collocation")
+        ("euler", r"exact.*rk4.*collocation")
         if isinstance(dt, float) and dt == 0.1
         else ("rk4", "a step takes time")
     )
@@ -232,11 +233,12 @@ def test_what_is_no_step_is_refused(dt: float) -> None:
 def test_a_form_or_a_step_that_there_is_not_is_refused() -> None:
     derivation = of_gallery("pioneer3dx")
     for ask in (derivation.state_space, derivation.entries, derivation.limits, derivation.system):
-        with pytest.raises(UsageError, match=r"no form 'postur' of a model\. Did you mean posture\?"):
+        with pytest.raises(UsageError) as caught:
             ask("postur")
-    with pytest.raises(UsageError, match="configuration eta posture trailer twist zeta"):
+        assert caught.value.code == Code.USAGE and missing_names(caught.value, ("postur", "posture")) == []
+    with pytest.raises(UsageError, match=r"configuration.*eta.*posture.*trailer.*twist.*zeta"):
         derivation.state_space("chained")
-    with pytest.raises(UsageError, match="discrete='rk4'"):
+    with pytest.raises(UsageError, match="rk4"):
         derivation.state_space(dt=0.1)
 
 
@@ -341,7 +343,7 @@ def test_the_default_of_a_robot_with_trailers_has_them() -> None:
     for form in ("posture", "twist", "eta"):
         entries = derivation.entries(form)
         assert all("trailer" not in e["name"] for e in entries["x"])
-        assert entries["text"].endswith("trailers are in the form trailer alone")
+        assert "form trailer" in entries["text"].split("; ")[-1]
 
 
 def test_a_plan_that_chooses_its_time() -> None:

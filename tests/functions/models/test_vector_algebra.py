@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import random
+import re
 from fractions import Fraction
 
 import pytest
 import sympy
 
 from tests.functions.models.robots import UNICYCLE, derived, p, s
+from tests.functions.refusals import refused
 from tests.robots import of_gallery, of_text
 from wmrgen.analysis.mobility.ranks import generic
-from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models import growth as growth_of
 from wmrgen.functions.models.growth import MOST_STATES, growth, robot_growth
 from wmrgen.functions.models.vector_fields import (
@@ -24,6 +25,7 @@ from wmrgen.functions.models.vector_fields import (
     to_poly,
     value_at,
 )
+from wmrgen.functions.registry import Reason
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.exact.poly import Poly
 from wmrgen.geometry.ports import Port, Role
@@ -78,7 +80,7 @@ def test_angles_of_either_sign_are_one_generator() -> None:
 
 @pytest.mark.parametrize("expr", [sympy.exp(A), A ** sympy.Rational(1, 3), 2**A, sympy.Symbol("q")], ids=str)
 def test_what_is_no_polynomial_is_refused(expr: Expr) -> None:
-    with pytest.raises(ValueError, match="no polynomial"):
+    with pytest.raises(ValueError, match=re.escape(str(expr))):
         to_poly(expr)
 
 
@@ -145,7 +147,7 @@ def test_a_bracket_is_its_definition() -> None:
 def test_brackets_are_formed_up_to_a_number_of_states() -> None:
     assert MOST_STATES == 10
     many = derived(UNICYCLE, "trailers: [" + ", ".join("{length: 1}" for _ in range(8)) + "]")
-    with pytest.raises(NotDerivableError, match="has 11 states"):
+    with refused(Reason.TOO_LONG, "11 states", "10"):
         growth(many.system("trailer", symbolic=True))
 
 
@@ -169,5 +171,5 @@ def test_brackets_of_many_terms_are_refused_before_they_are_formed(monkeypatch: 
     """Terms of its fields hold polynomials of their own, so that 5,700 products count three times."""
     d = of_text(DRIVEN_CASTORS)
     monkeypatch.setattr(growth_of, "bracket_by", lambda *fields: pytest.fail("a bracket is formed"))
-    with pytest.raises(NotDerivableError, match="too many terms to be formed in symbols"):
+    with refused(Reason.TOO_LONG, "hitch"):
         robot_growth(d.robot, d.mobility, most=16_000)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 import pytest
+import sympy
 
 from tests.functions.motion.common import derived
-from wmrgen.errors import NotDerivableError
-from wmrgen.functions.motion.paths import _sees_yaw
-from wmrgen.geometry.exact.poly import Poly, Row
+from tests.functions.refusals import refused
+from wmrgen.functions.registry import Reason
 
 PAIR = """\
 wmrgen: 1
@@ -19,41 +22,51 @@ wheels:
 FAR = PAIR.replace("x: 0, y: ", "x: 7, y: 2 + ")
 
 
-def rows(*values: tuple[float, float, float]) -> list[Row]:
-    return [(Poly.of(a), Poly.of(b), Poly.of(k)) for a, b, k in values]
-
-
-@pytest.mark.parametrize(
-    ("seen", "measured"),
-    [
-        (False, ()),
-        (True, ((0, 0, 1),)),
-        (True, ((0, 0, -3),)),
-        (False, ((1, 0, 0),)),
-        (False, ((1, 0, 1),)),
-        (False, ((0, 1, 1),)),
-        (False, ((1, 1, 1),)),
-        (True, ((1, 0, 1), (1, 0, 0))),
-        (True, ((1, 0, 1), (1, 0, -1))),
-        (True, ((0, 2, 1), (0, 1, 1))),
-        (False, ((1, 0, 1), (0, 1, 0))),
-        (False, ((1, 0, 1), (0, 1, 1))),
-        (False, ((1, 0, 0), (0, 1, 0))),
-        (False, ((1, 0, 1), (2, 0, 2))),
-        (True, ((1, 0, 0), (0, 1, 0), (1, 1, 1))),
-        (False, ((1, 0, 2), (0, 1, 3), (1, 1, 5))),
-    ],
-)
-def test_the_yaw_rate_is_seen_where_rows_combine_to_it(
-    seen: bool, measured: tuple[tuple[float, float, float], ...]
-) -> None:
-    assert _sees_yaw(derived(PAIR % "").robot, rows(*measured)) == seen
-    there = [(a, b, k - a * 2 + b * 7) for a, b, k in measured]  # the same speeds, of wheels about (7, 2)
-    assert _sees_yaw(derived(FAR % "").robot, rows(*there)) == seen
+OMNI = "  - {{name: w{k}, type: swedish, x: {x}, y: {y}, heading: {heading}, r: 0.1, gamma: 0}}\n"
 
 
 @pytest.mark.parametrize("text", [PAIR, FAR])
 def test_one_sensed_wheel_of_two_tells_no_heading(text: str) -> None:
     assert derived(text % "").formula("heading").outputs
-    with pytest.raises(NotDerivableError, match="do not determine its yaw rate"):
+    with refused(Reason.UNOBSERVABLE, "heading"):
         derived(text % ", sensed: []").formula("heading")
+
+
+@pytest.mark.parametrize("about", [(0, 0), (7, -2)])
+@pytest.mark.parametrize(
+    ("seen", "wheels"),
+    [
+        (True, ((0, -1, "0"), (0, 1, "0"), (1, 0, "pi/2"))),
+        (False, ((0, 1, "0"), (1, 0, "pi/2"))),
+        (False, ((0, -1, "0"), (1, 0, "pi/2"))),
+        (False, ((0, -1, "0"), (0, -1, "0"), (1, 0, "pi/2"))),
+        (True, ((0, -1, "0"), (0, 2, "0"))),
+        (True, ((1, 0, "pi/2"), (-1, 0, "pi/2"))),
+        (False, ((1, 0, "pi/2"), (1, 3, "pi/2"))),
+        (True, ((1, 0, "pi/2"), (0, 1, "0"), (1, 2, "pi/4"))),
+        (False, ((1, 0, "pi/2"), (0, 1, "0"), (1, 1, "pi/4"))),
+        (False, ((1, 0, "pi/2"), (0, 1, "0"), (1, 1, "3*pi/4"))),
+    ],
+)
+def test_the_yaw_rate_is_seen_where_sensed_wheels_combine_to_it(
+    seen: bool, wheels: tuple[tuple[float, float, str], ...], about: tuple[float, float]
+) -> None:
+    """Omni wheels measure a vx + b vy + c omega; the yaw rate is seen if the rows span (0, 0, 1), wherever P is."""
+    text = "wmrgen: 1\nname: omni\nwheels:\n" + "".join(
+        OMNI.format(k=k, x=x + about[0], y=y + about[1], heading=heading)
+        for k, (x, y, heading) in enumerate(wheels)
+    )
+    rows = []
+    for x, y, heading in wheels:
+        angle = float(sympy.sympify(heading))
+        c, s = math.cos(angle), math.sin(angle)
+        rows.append([c, s, x * s - y * c])
+    spanned = np.linalg.matrix_rank(np.array(rows), 1e-9) == np.linalg.matrix_rank(
+        np.array([*rows, [0.0, 0.0, 1.0]]), 1e-9
+    )
+    assert spanned == seen
+    if seen:
+        assert derived(text).formula("heading").outputs
+    else:
+        with refused(Reason.UNOBSERVABLE, "heading"):
+            derived(text).formula("heading")

@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 
 from tests.functions.motion.common import CAR, FOUR_WS, SKEWED, derived, run_cli
-from wmrgen.errors import NotDerivableError, UsageError
+from tests.functions.refusals import missing_names, refused
+from wmrgen.errors import UsageError
 from wmrgen.functions.motion.icr import check_steering
 from wmrgen.functions.motion.segments import Phase, Segment, plan, segment
+from wmrgen.functions.registry import Reason
 from wmrgen.geometry.exact.number import ZERO, Exact
 
 ROBOTS = Path(__file__).parents[3] / "robots"
@@ -76,22 +78,23 @@ def test_commands_drive_the_twist() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "why"),
+    ("given", "names"),
     [
-        ({"x_rate": 1.0, "theta_rate": 1.0, "dt": 1.0}, "wheel speeds that change"),
-        ({"vx": 1.0}, "dt must be above 0"),
-        ({"vx": 1.0, "x": 1.0, "dt": 1.0}, "one kind"),
-        ({"dt": 1.0}, "one kind"),
+        ({"x_rate": 1.0, "theta_rate": 1.0, "dt": 1.0}, ("vx vy omega",)),
+        ({"vx": 1.0}, ("dt",)),
+        ({"vx": 1.0, "x": 1.0, "dt": 1.0}, ("vx vy omega", "x_rate y_rate theta_rate", "x y theta")),
+        ({"dt": 1.0}, ("vx vy omega", "x_rate y_rate theta_rate", "x y theta")),
     ],
 )
-def test_segments_that_are_none(given: dict[str, float], why: str) -> None:
-    with pytest.raises(UsageError, match=why):
+def test_segments_that_are_none(given: dict[str, float], names: tuple[str, ...]) -> None:
+    with pytest.raises(UsageError) as caught:
         segment(values(**given), "segment 0")
+    assert missing_names(caught.value, ("segment 0", *names)) == []
 
 
 def test_driven_castors_have_no_segments() -> None:
     d = derived(SKEWED.replace("r: 0.05}", "r: 0.05, actuated: [spin, steer]}"))
-    with pytest.raises(NotDerivableError, match="castor tail"):
+    with refused(Reason.CASTOR, "tail"):
         plan(d.robot, [Segment("twist", (ZERO, ZERO, ZERO), Exact(1))], d.evaluate, (ZERO,) * 3, {})
 
 

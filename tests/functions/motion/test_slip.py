@@ -38,13 +38,11 @@ def test_tzafestas_example_2_2_pfaffian() -> None:
     assert (d.pfaffian - sympy.Matrix(expected)).applyfunc(evaluated).is_zero_matrix
 
 
-@pytest.mark.parametrize(
-    ("wheels", "words"), [(DIFFERENTIAL, "longitudinal slip"), (OMNI, "slip along the roller axis")]
-)
-def test_what_slips_is_said(wheels: str, words: str) -> None:
+@pytest.mark.parametrize(("wheels", "direction"), [(DIFFERENTIAL, "longitudinal"), (OMNI, "roller axis")])
+def test_what_slips_is_said(wheels: str, direction: str) -> None:
     inputs = derived(wheels, SLIP).formula("slip_inverse").inputs
     told = [port.text for port in inputs if port.name.endswith("slip_x")]
-    assert told and all(text.startswith(words) for text in told)
+    assert told and all(direction in text and "slip" in text for text in told)
 
 
 def test_steered_wheel_at_any_angle() -> None:

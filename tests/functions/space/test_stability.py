@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from tests.conftest import Outcome
 from tests.depth import BACKENDS
 from tests.functions.common import CASES, PAIR, ROBOTS, call, derived, write
+from tests.functions.refusals import refused
 from tests.robots import of_text
-from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import Reason
 from wmrgen.functions.space.stability import polygon
 
 Array = NDArray[np.float64]
@@ -181,21 +182,22 @@ LINE = PAIR + "  - {name: middle, type: spherical, x: 0, y: 0}\n"
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
+    ("text", "reason", "names"),
     [
-        (LINE + CG.format(x=0, y=0, z=0.3), "not in one line"),
-        (PAIR + CG.format(x=0, y=0, z=0.3), "2 contacts do not span"),
-        (PAIR + "  - {name: tail, type: spherical, x: -0.2, y: 0}\n", "write cg:"),
+        (LINE + CG.format(x=0, y=0, z=0.3), Reason.NO_POLYGON, ("3 contacts",)),
+        (PAIR + CG.format(x=0, y=0, z=0.3), Reason.CENTRE_OF_GRAVITY, ("2 contacts",)),
+        (PAIR + "  - {name: tail, type: spherical, x: -0.2, y: 0}\n", Reason.NO_CENTRE_OF_GRAVITY, ("cg",)),
         (
             PAIR + "  - {name: tail, type: spherical, x: -0.2, y: 0}\n" + CG.format(x=0, y=0, z=0),
-            "above the ground",
+            Reason.CENTRE_OF_GRAVITY,
+            ("cg", "z > 0"),
         ),
     ],
 )
 def test_robots_without_a_polygon_or_a_centre_of_gravity_are_refused(
-    text: str, words: str, tmp_path: Path
+    text: str, reason: Reason, names: tuple[str, ...], tmp_path: Path
 ) -> None:
-    with pytest.raises(NotDerivableError, match=words):
+    with refused(reason, *names):
         derived(write(tmp_path, text), "stability").formula("stability")
 
 

@@ -25,8 +25,9 @@ from tests.functions.models.robots import (
     s,
     zero,
 )
+from tests.functions.refusals import refused
 from tests.functions.trailers.test_chained import inside
-from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import Reason
 from wmrgen.functions.trailers.flat import flatness
 
 SYNCHRO = """{name: w1, type: steered, x: a, y: 0, heading: 0, r: r}
@@ -130,14 +131,14 @@ def test_what_is_claimed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("wheels", "extra", "word"),
+    ("wheels", "extra", "reason", "names"),
     [
-        (CAR_REAR, on_axle(1), "axle of trailer1"),
-        (TWO_STEER, "", "`inverse` recovers"),
-        (SYNCHRO, COUPLED, "x, y of the body: `inverse` recovers"),
-        (CAR_REAR, "trailers: [{length: 1, hitch: 0.2}]", "off the axle"),
+        (CAR_REAR, on_axle(1), Reason.FLAT_OUTPUTS, ("trailer1", "chained_input")),
+        (TWO_STEER, "", Reason.FLAT_OUTPUTS, ("x, y, theta", "inverse")),
+        (SYNCHRO, COUPLED, Reason.FLAT_OUTPUTS, ("x, y", "inverse")),
+        (CAR_REAR, "trailers: [{length: 1, hitch: 0.2}]", Reason.HITCH, ("hitch",)),
     ],
 )
-def test_refusals_say_why(wheels: str, extra: str, word: str) -> None:
-    with pytest.raises(NotDerivableError, match=word):
+def test_refusals_say_why(wheels: str, extra: str, reason: Reason, names: tuple[str, ...]) -> None:
+    with refused(reason, *names):
         derived(wheels, extra).formula("flat")

@@ -122,7 +122,6 @@ def test_a_holo(tmp_path: Path) -> None:
         whole = wmrgen.derive(wmrgen.load(path)).integrability
         assert whole.ddof == case["expect"]["delta_m"]
         assert whole.holonomic == case["expect"].get("holonomic", whole.ddof == whole.dof)
-        assert "integrable" in whole.text
 
 
 @pytest.mark.parametrize("backend", ["text", "json", "latex"])

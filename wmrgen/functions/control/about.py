@@ -1,11 +1,11 @@
-"""`inverse_about`: joint commands for a twist about another point than P, the centre of rotation.
+"""Joint commands for a twist about another point than P, the centre of rotation: `inverse_about`.
 
-WPILib's toSwerveModuleStates has the point as its second argument. With C at (centre_x, centre_y) in the robot frame,
-(vx, vy) the velocity of C and omega the yaw rate, P moves at
+WPILib's toSwerveModuleStates has the same point as its second argument. C is at (centre_x, centre_y) in the robot
+frame, (vx, vy) is the velocity of C, and omega is the yaw rate. Then P moves at
 
     vx_P = vx + omega centre_y    vy_P = vy - omega centre_x
 
-so that with vx = vy = 0 the robot turns about C.
+With vx = vy = 0 the robot turns about C.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _TWIST = (
 
 @function("rigid body, Siegwart (3.2); WPILib's centerOfRotation", limits=Limits.ASKED)
 def inverse_about(robot: Robot, mobility: Mobility) -> Formula:
-    """The twist of a point of the robot and present steering to every joint's command."""
+    """Return joint commands for the twist of a point of the robot and the present steering angles."""
     names = Locals()
     vx, vy, omega, x, y = (signal(p.name) for p in (*_TWIST, *_CENTRE))
     moved = {
@@ -44,5 +44,5 @@ def inverse_about(robot: Robot, mobility: Mobility) -> Formula:
         "inverse_about",
         (*_TWIST, *_CENTRE, *(p for p in formula.inputs if p.name not in TWIST_NAMES)),
         ((port, commands[port.name]) for port, _ in formula.outputs),
-        "twist about a centre of rotation in the robot frame to joint commands",
+        "twist of a point of the robot frame, the centre of rotation, to joint commands",
     )

@@ -1,13 +1,13 @@
-"""`input_limits`: which (v, omega) a car can drive, and the nearest ones that it can (AA274; Tzafestas 2.3.4).
+"""The (v, omega) that a car can drive, and the nearest one to a command: `input_limits` (AA274; Tzafestas 2.3.4).
 
-A wheel on the centre line, L before the fixed axle, runs at u1 under the steering angle zeta: v = u1 cos zeta,
-L omega = u1 sin zeta. With |u1| <= u1_max and |zeta| <= zeta_max this is exactly
+A wheel on the centre line, L before the fixed axle, runs at u1 under the steering angle zeta: v = u1 cos zeta and L
+omega = u1 sin zeta. With |u1| <= u1_max and |zeta| <= zeta_max the exact set is
 
     v^2 + (L omega)^2 <= u1_max^2,  |L omega| <= |v| tan zeta_max
 
-and inside it lies the set |v| <= u1_max cos zeta_max, |L omega| <= |v| tan zeta_max, where the bound of v does not
+The inner set |v| <= u1_max cos zeta_max, |L omega| <= |v| tan zeta_max is inside it. There the bound of v does not
 depend on omega. Reeds-Shepp cars drive |v| = v_max, Dubins cars v = v_max. The texts print L = 1. Distances and
-margins are in m/s, turning measured as L omega.
+margins are in m/s, and turning is measured as L omega.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.control.unicycle import reference, wheelbase
 from wmrgen.functions.models.axle import Axle
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import working_view
 from wmrgen.geometry.exact.evaluate import circle_point
 from wmrgen.geometry.exact.number import Exact
@@ -54,32 +54,32 @@ INPUTS = (
 _OUTPUTS = (
     output("v_max", "m/s", "inner bound of |v|; Reeds-Shepp: |v| = v_max, Dubins: v = v_max"),
     output("omega_max", "rad/s", "inner bound of |omega| at v"),
-    output("omega_max_exact", "rad/s", "exact bound of |omega| at v; 0 where v is out of reach"),
-    output("exact.v", "m/s", "nearest that can be driven"),
-    output("exact.omega", "rad/s", "nearest that can be driven"),
-    output("inner.v", "m/s", "nearest in the inner set"),
-    output("inner.omega", "rad/s", "nearest in the inner set"),
+    output("omega_max_exact", "rad/s", "exact bound of |omega| at v; 0 if v is too fast"),
+    output("exact.v", "m/s", "speed of the nearest command in the exact set"),
+    output("exact.omega", "rad/s", "yaw rate of the nearest command in the exact set"),
+    output("inner.v", "m/s", "speed of the nearest command in the inner set"),
+    output("inner.omega", "rad/s", "yaw rate of the nearest command in the inner set"),
     output("exact.margin", "m/s", "slack of the tightest bound, negative outside"),
     output("inner.margin", "m/s", "slack of the tightest bound, negative outside"),
 )
 
 
-class _Car(NamedTuple):
-    """L [m], tan, cos and sin of zeta_max and u1_max [m/s]."""
+class _CarLimits(NamedTuple):
+    """The car's geometry and limits."""
 
-    base: Expr
-    tan: Expr
-    cos: Expr
-    sin: Expr
-    top: Expr
+    base: Expr  # L [m]
+    tan: Expr  # tan zeta_max
+    cos: Expr  # cos zeta_max
+    sin: Expr  # sin zeta_max
+    top: Expr  # u1_max [m/s]
 
 
 @function("AA274, bounds of the simplified car; Tzafestas 2.3.4")
 def input_limits(robot: Robot, mobility: Mobility) -> Formula:
-    """v and omega to the bounds, the margins and the nearest commands in the exact and in the inner set."""
+    """Return bounds, margins and the nearest commands in the exact and the inner set, for v and omega."""
     ref = reference(robot, mobility, "input_limits")
     names = Locals()
-    car = _car(robot, ref, names)
+    car = _car_limits(robot, ref, names)
     v, turn = signal("v"), names.define("turn", times(car.base, signal("omega")))
     a, b = names.define("v_size", absolute(v)), names.define("turn_size", absolute(turn))
     v_max = names.define("v_inner", times(car.top, car.cos))
@@ -94,17 +94,17 @@ def input_limits(robot: Robot, mobility: Mobility) -> Formula:
         "input_limits",
         (*INPUTS, *tunable_ports(robot)),
         zip(_OUTPUTS, (*bounds, *nearest, exact, inner), strict=True),
-        "speed and yaw rate to what a car can drive (AA274 bounds)",
+        "speed and yaw rate to the nearest ones that a car can drive (AA274 bounds)",
     )
 
 
 def _nearest(
-    car: _Car, sizes: tuple[Expr, Expr], slope: Expr, v_max: Expr, over_base: Expr, names: Locals
+    car: _CarLimits, sizes: tuple[Expr, Expr], slope: Expr, v_max: Expr, over_base: Expr, names: Locals
 ) -> tuple[Expr, Expr, Expr, Expr]:
-    """(v, omega) of the nearest points of the exact and of the inner set, in (v, L omega).
+    """Return (v, omega) of the nearest points of the exact and of the inner set, in (v, L omega).
 
-    Each set is four mirror images of its part with v, omega >= 0, a convex piece that the nearest point shares.
-    Outside the wedge the nearest point lies on its ray; then the disk is met by scaling, the inner bound by clipping.
+    Each set consists of four mirror images of its part with v, omega >= 0. This part is convex. Outside the wedge the
+    nearest point is on the wedge's ray. The disk then scales it, and the inner bound clips it.
     """
     a, b = sizes
     ray = names.define("ray", add(times(a, car.cos), times(b, car.sin)))
@@ -127,46 +127,61 @@ def _nearest(
     )
 
 
-def _car(robot: Robot, ref: Axle, names: Locals) -> _Car:
-    """What the limits of the file allow a wheel on the centre line."""
+def _car_limits(robot: Robot, ref: Axle, names: Locals) -> _CarLimits:
+    """Return the geometry and the limits of a wheel on the centre line."""
     base = wheelbase(robot, ref)
     steered = [w for w in robot.wheels if w.kind.steers]
     if base is None:
-        raise _refusal(robot, "its bounds are those of a car: a fixed axle and wheels steered in one line")
-    bend = names.define("sharpest", _least([_sharpest(robot, w, ref) for w in steered]))
+        raise _refusal(
+            robot,
+            "its bounds are defined for a car: a fixed axle, and steered wheels on one line across it",
+            Reason.NOT_A_CAR,
+        )
+    bend = names.define("sharpest", _smallest([_largest_curvature(robot, w, ref) for w in steered]))
     length = names.define("wheelbase_size", absolute(expression(base)))
     tan = names.define("tan_zeta", times(length, bend))
     cos = names.define("cos_zeta", 1 / root(add(sympy.S.One, square(tan))))
-    top = _least(_tops(robot, steered, ref, bend))
-    return _Car(length, tan, cos, names.define("sin_zeta", times(tan, cos)), names.define("u1_max", top))
+    top = _smallest(_speed_bounds(robot, steered, ref, bend))
+    return _CarLimits(
+        length, tan, cos, names.define("sin_zeta", times(tan, cos)), names.define("u1_max", top)
+    )
 
 
-def _least(values: list[Expr]) -> Expr:
-    """The smallest; the same value twice counts once."""
+def _smallest(values: list[Expr]) -> Expr:
+    """Return the smallest value; equal values are written once."""
     return reduce(lambda least, value: least if value == least else minimum(least, value), values)
 
 
-def _refusal(robot: Robot, why: str) -> NotDerivableError:
-    return underivable(robot, "input_limits", why)
+def _refusal(robot: Robot, why: str, reason: Reason) -> NotDerivableError:
+    """Return the error for a robot without `input_limits`."""
+    return underivable(robot, "input_limits", why, reason)
 
 
-def _sharpest(robot: Robot, w: Wheel, ref: Axle) -> Expr:
-    """The largest curvature [1/m] that the steering limit of one wheel allows to both sides.
+def _largest_curvature(robot: Robot, w: Wheel, ref: Axle) -> Expr:
+    """Return the largest curvature [1/m] that the steering limit of one wheel allows to both sides.
 
     A wheel at (x, y) from the axle centre points along (1 - k y, k x) on the circle of curvature k.
     """
     limit = robot.limit(w, "steer")
     if limit is None:
-        raise _refusal(robot, f"{w.name} has no limits: {{steer: ...}}; write its largest steering angle")
+        raise _refusal(
+            robot,
+            f"{w.name} has no limits: {{steer: ...}}; write its largest steering angle",
+            Reason.NO_LIMIT,
+        )
     if ref.ey.scale(w.nominal.ch) - ref.ex.scale(w.nominal.sh):
         raise _refusal(
-            robot, f"{w.name} does not stand straight ahead at zero steering, where its limits are"
+            robot,
+            f"{w.name} does not point straight ahead at steering angle 0, so its limits are not symmetric",
+            Reason.SKEWED_WHEEL,
         )
     zeta = min(limit.high, -limit.low)
     if zeta.sign <= 0 or float(zeta) >= 1.57:
+        reason = Reason.ONE_SIDED_LIMIT if zeta.sign <= 0 else Reason.LIMIT_TOO_WIDE
         raise _refusal(
             robot,
             f"{w.name} may steer by {float(zeta):.4g} rad; a bound needs more than 0 and less than 90 deg",
+            reason,
         )
     cosine, sine = circle_point(zeta.rational())
     tan = number(sine / cosine)
@@ -174,10 +189,10 @@ def _sharpest(robot: Robot, w: Wheel, ref: Axle) -> Expr:
     return times(tan, 1 / add(absolute(x), times(tan, absolute(y))))
 
 
-def _tops(robot: Robot, steered: list[Wheel], ref: Axle, bend: Expr) -> list[Expr]:
-    """Bounds of u1: `vx` of the robot, and r spin of each steered wheel.
+def _speed_bounds(robot: Robot, steered: list[Wheel], ref: Axle, bend: Expr) -> list[Expr]:
+    """Return bounds of u1 [m/s]: `vx` of the robot, and r spin of each steered wheel.
 
-    A wheel beside the centre line runs up to 1 + |y| bend times as fast as one on it.
+    A wheel beside the centre line runs up to 1 + |y| bend times as fast as a wheel on the line.
     """
     tops: list[Expr] = []
     if "vx" in robot.limits:
@@ -192,13 +207,20 @@ def _tops(robot: Robot, steered: list[Wheel], ref: Axle, bend: Expr) -> list[Exp
         tops.append(times(expression(rim), 1 / faster))
     if not tops:
         raise _refusal(
-            robot, "no limit of speed is given; write limits: {vx: ...} or spin of the steered wheel"
+            robot,
+            "no limit of speed is given; write limits: {vx: ...} or spin of the steered wheel",
+            Reason.NO_LIMIT,
         )
     return tops
 
 
 def _symmetric(robot: Robot, name: str, limit: Interval) -> Exact:
+    """Return the speed that a limit allows in both directions."""
     top = min(limit.high, -limit.low)
     if top.sign <= 0:
-        raise _refusal(robot, f"limits of {name} leave no speed in one direction; Reeds-Shepp cars reverse")
+        raise _refusal(
+            robot,
+            f"the limits of {name} allow motion in one direction only, and a Reeds-Shepp car also reverses",
+            Reason.ONE_SIDED_LIMIT,
+        )
     return top

@@ -1,28 +1,41 @@
-"""Which twists the steering stops let a robot without a fixed axle drive: what `limit_twist` keeps.
+"""Twists that the steering stops allow: used by `limit_twist`.
 
-The velocity of a pivot is p, m the direction of the wheel in the middle of its stops, n = z x m, and h half the angle
-between the stops. The wheel can roll along p, forwards or backwards, if
+**A car.** A wheel at (a, b) from the centre Q of the fixed axle, ahead and to the left, moves at (v - b omega, a
+omega) while Q drives at v. At its stop the wheel points along (c, s), seen from the axle. There it rolls at the
+curvature
+
+    omega / v = s / (a c + b s)
+
+The wheel can drive the curvatures between both stops. The robot can drive those that all of its wheels can drive. A
+stop is no bound if it is beyond the direction at which Q is at rest, a c + b s = 0: then the wheel can turn about
+every point on that side. Without a fixed axle the steering has more than one freedom, and curvature alone does not
+describe what it can do.
+
+**A robot without a fixed axle.** The velocity of a pivot is p, and m is the direction of the wheel in the middle of
+its stops. n = z x m, and h is half the angle between the stops. The wheel can roll along p, forwards or backwards, if
 
     |n . p| <= tan h |m . p|
 
-A twist for which this holds at all wheels is kept. For any other, let u be a direction that is inside all stops, so
-that all wheels can roll straight along it, and a = u . (vx, vy) the speed along u. Then a is kept, and of the rest of
-the twist the largest share s for which the wheels roll in the sense of a. With p = a u + q, q of the rest, for a > 0
+A twist that satisfies this at all wheels is unchanged. For any other twist, let u be a direction inside all stops, so
+that all wheels can roll straight along it. The speed along u is a = u . (vx, vy). It is unchanged, and the rest of the
+twist is scaled by the largest share s for which the wheels roll in the sense of a. With p = a u + q, where q belongs
+to the rest, the conditions for a > 0 are
 
     s (n . q - tan h m . q) <= a K1,  K1 = tan h m . u - n . u > 0
     s (-n . q - tan h m . q) <= a K2,  K2 = tan h m . u + n . u > 0
 
-so that s = a / max(a, the largest left side / K at s = 1). For a < 0 all signs change. If a is 0, the robot stands
-still. Stops more than 170 degrees apart are left to `inverse`, which slides there by at most sin(5 degrees) of the
-speed of the pivot and reports it.
+Hence s = a / max(a, the largest left side / K at s = 1). For a < 0 all signs change. If a is 0, the robot stands
+still. Stops more than 170 degrees apart are not treated here: `inverse` slides there by at most sin(5 degrees) of the
+speed of the pivot, and reports it.
 """
 
 from __future__ import annotations
 
 from cmath import phase
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from functools import reduce
-from math import inf, pi
+from math import cos, inf, pi, sin
 from typing import NamedTuple
 
 import sympy
@@ -32,7 +45,10 @@ from wmrgen.analysis.kinematics.pivots import Velocity, pivot
 from wmrgen.analysis.kinematics.records import Locals
 from wmrgen.analysis.kinematics.steer import HYSTERESIS, QUARTER, STILL, turned_by
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.geometry.exact.evaluate import circle_point
+from wmrgen.functions.control.unicycle import drives
+from wmrgen.functions.models.axle import Axle, fixed_axle
+from wmrgen.geometry.constraints import nominal_view, working_view
+from wmrgen.geometry.exact.evaluate import add_angles, circle_point
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.exact.poly import Poly
 from wmrgen.geometry.layout.records import Interval, Robot, Wheel
@@ -41,19 +57,141 @@ from wmrgen.geometry.symbolic import (
     absolute,
     add,
     expression,
+    kept_between,
     maximum,
+    minimum,
     number,
     select,
+    signal,
     subtract,
     times,
     with_sign_of,
 )
 
+_ON_AXLE = 1e-9  # m: a wheel nearer to the axle line is on it and cannot steer
+
+
+class CurvatureRange(NamedTuple):
+    """The range of curvatures that every steering stop allows: ``right`` <= omega / v <= ``left``."""
+
+    axle: Axle  # v is the speed of its centre
+    right: Expr | None  # 1/m; None: no bound on this side
+    left: Expr | None  # 1/m; None: no bound on this side
+
+    def cut(self, names: Locals) -> tuple[Expr, Expr, Expr]:
+        """Return vx, vy and omega with the speed of the axle of the input twist and a yaw rate in the range."""
+        (ex, ey), (x, y) = self.axle.direction, self.axle.centre
+        vx, vy, omega = map(signal, ("vx", "vy", "omega"))
+        ahead, aside = subtract(vx, times(y, omega)), add(vy, times(x, omega))
+        v = names.define("v", add(times(ex, ahead), times(ey, aside)))
+        turn = names.define("turn", self._inside(v, omega))
+        px, py = self.axle.velocity_of_p(v, turn)
+        return px, py, turn
+
+    def _inside(self, v: Expr, omega: Expr) -> Expr:
+        """Return the yaw rate nearest to ``omega`` that is allowed at the speed ``v``."""
+        if self.left is not None and self.right == -self.left:
+            most = times(self.left, absolute(v))
+            return kept_between(times(-1, most), omega, most)
+        for bound, forwards, backwards in ((self.left, minimum, maximum), (self.right, maximum, minimum)):
+            if bound is not None:
+                end = times(bound, v)
+                omega = select(v, sympy.S.Zero, backwards(omega, end), forwards(omega, end))
+        return omega
+
+
+def curvature_range(robot: Robot, mobility: Mobility, names: Locals) -> CurvatureRange | None:
+    """Return the curvatures that the steering stops allow.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        names: Takes the intermediate results.
+
+    Returns:
+        The range of curvatures; None if stops do not bound it, or if the robot is not steered as a car.
+    """
+    axle, nominal = (fixed_axle(robot, mobility, view) for view in (working_view, nominal_view))
+    if axle is None or nominal is None or not drives(robot, mobility, axle):
+        return None
+    left, right = list[Curvature](), list[Curvature]()
+    for w in robot.wheels:
+        limit = robot.limit(w, "steer")
+        if limit is None or not w.kind.steers:
+            continue
+        for stop in limit if _stops_bound_curvature(w, limit, nominal) else ():
+            side = _turning_side(w, limit, stop, nominal)
+            if side:
+                (left if side > 0 else right).append(_curvature(w, stop, axle))
+    if not (left or right):
+        return None
+    return CurvatureRange(
+        axle,
+        _tightest_bound(right, max, maximum, names, "right"),
+        _tightest_bound(left, min, minimum, names, "left"),
+    )
+
+
+Curvature = tuple[Poly, Poly]  # numerator s and divisor a c + b s
+
+
+def _curvature(w: Wheel, stop: Exact, axle: Axle) -> Curvature:
+    """Return the curvature omega / v of a wheel at a stop, as numerator and divisor."""
+    g, (cosine, sine) = working_view(w), circle_point(stop.rational())
+    dx, dy = add_angles((g.ch, g.sh), (Poly.of(cosine), Poly.of(sine)))
+    c, s = axle.ex * dx + axle.ey * dy, axle.ex * dy - axle.ey * dx
+    a, b = axle.seen(g)
+    return s, a * c + b * s
+
+
+def _straight_ahead(w: Wheel, limit: Interval, nominal: Axle) -> float:
+    """Return the joint angle [rad] at which the wheel rolls straight on, the nearest to the middle of its stops."""
+    ex, ey, *_ = nominal.nominal
+    turn = phase(complex(ex, ey) / w.zero_heading)
+    middle = float(limit.low + limit.high) / 2
+    return turn - pi * round((turn - middle) / pi)
+
+
+def _stops_bound_curvature(w: Wheel, limit: Interval, nominal: Axle) -> bool:
+    """Return whether stops bound the curvature: the wheel is off the axle line and may point straight on."""
+    a = float(nominal.seen(w.nominal.mapped(Poly.of))[0].constant or 0)
+    straight = _straight_ahead(w, limit, nominal)
+    inside = float(limit.low) < straight < float(limit.high)
+    return abs(a) > _ON_AXLE and inside and float(limit.high - limit.low) < pi
+
+
+def _turning_side(w: Wheel, limit: Interval, stop: Exact, nominal: Axle) -> int:
+    """Return 1 for a stop that bounds turning left, -1 for turning right, 0 for a stop that is no bound."""
+    a, b = (float(p.constant or 0) for p in nominal.seen(w.nominal.mapped(Poly.of)))
+    swing = float(stop) - _straight_ahead(w, limit, nominal)
+    if a * (a * cos(swing) + b * sin(swing)) <= 0:
+        return 0
+    return 1 if a * sin(swing) > 0 else -1
+
+
+def _tightest_bound(
+    curvatures: list[Curvature],
+    exact: Callable[[Iterable[Exact]], Exact],
+    larger: Callable[[Expr, Expr], Expr],
+    names: Locals,
+    name: str,
+) -> Expr | None:
+    """Return the tightest bound. Numbers are compared here; tunable bounds are compared on the robot."""
+    numbers, others = list[Exact](), list[Expr]()
+    for s, below in curvatures:
+        if s.constant is not None and below.constant is not None:
+            numbers.append(s.constant / below.constant)
+        else:
+            others.append(names.define(f"{name}most", expression(s) / expression(below)))
+    known = [number(exact(numbers))] if numbers else []
+    return reduce(larger, [*others, *known]) if curvatures else None
+
+
 Direction = tuple[Exact, Exact]
 
 
 class Cone(NamedTuple):
-    """A wheel between its stops; m is chosen so that m . u > 0."""
+    """The directions of a wheel between its stops; the sign of m makes m . u > 0."""
 
     across: Poly  # n . p [m/s]
     along: Poly  # m . p [m/s]
@@ -63,13 +201,13 @@ class Cone(NamedTuple):
 
 
 class Stops(NamedTuple):
-    """``direction``: u. ``cones``: one for each wheel with narrow stops."""
+    """The narrow steering stops of a robot."""
 
-    direction: Direction
-    cones: tuple[Cone, ...]
+    direction: Direction  # u
+    cones: tuple[Cone, ...]  # one for each wheel with narrow stops
 
     def cut(self, names: Locals) -> tuple[Expr, Expr, Expr]:
-        """vx, vy and omega of the input twist inside the stops."""
+        """Return vx, vy and omega of the input twist, limited by the stops."""
         ux, uy = self.direction
         ahead = names.define("ahead", expression(_VX.scale(ux) + _VY.scale(uy)))
         outside, sides = list[Expr](), list[Expr]()
@@ -96,7 +234,7 @@ _VX, _VY, _OMEGA = (Poly.gen("input", name) for name in ("vx", "vy", "omega"))
 
 
 def steering_stops(robot: Robot, mobility: Mobility) -> Stops | None:
-    """What the steering stops allow; None where they bound nothing, or no direction is inside all of them."""
+    """Return the stops; None if no stop is narrow, or if no direction is inside all of them."""
     steered = [w for w in robot.wheels if w.kind.steers]
     stops = {w.index: limit for w in steered if (limit := robot.limit(w, "steer")) and _narrow(limit)}
     alone = all(len(members) == 1 for members in robot.together("steer", steered))
@@ -113,12 +251,12 @@ def steering_stops(robot: Robot, mobility: Mobility) -> Stops | None:
 
 
 def _narrow(limit: Interval) -> bool:
-    """Whether the stops leave out more directions than the `hysteresis` of `inverse` does: more than 10 degrees."""
+    """Return whether the stops exclude more than the `hysteresis` of `inverse` does: more than 10 degrees."""
     return limit.high - limit.low <= (QUARTER - HYSTERESIS) * 2
 
 
 def _common_direction(limited: list[tuple[Wheel, Interval]]) -> Direction | None:
-    """A direction inside all stops, forwards or backwards: x if it is inside, else the middle of those that are."""
+    """Return a direction inside all stops, forwards or backwards: x if it is inside, else the middle."""
     low, high = -inf, inf
     reference = _middle(*limited[0])
     for w, limit in limited:
@@ -135,12 +273,12 @@ def _common_direction(limited: list[tuple[Wheel, Interval]]) -> Direction | None
 
 
 def _middle(w: Wheel, limit: Interval) -> float:
-    """The heading [rad] of the wheel in the middle of its stops, robot frame."""
+    """Return the heading [rad] of the wheel in the middle of its stops, robot frame."""
     return phase(w.zero_heading) + float(limit.low + limit.high) / 2
 
 
 def _cone(w: Wheel, limit: Interval, along: Direction, velocity: Velocity) -> Cone | None:
-    """The cone of a wheel whose pivot moves at ``velocity``; None if the heading of the wheel is tunable."""
+    """Return the cone of a wheel whose pivot moves at ``velocity``; None if the wheel's heading is tunable."""
     middle, half = (limit.low + limit.high) / 2, (limit.high - limit.low) / 2
     cosine, sine = circle_point(half.rational())
     slope = sine / cosine

@@ -1,13 +1,13 @@
-"""Robots driven like a unicycle: the point that takes (v, 0, omega), and two laws for it, `goto_pose` and `pursuit`.
+"""Robots that drive like a unicycle, and two control laws for them: `goto_pose` and `pursuit`.
 
-The point is the centre of the fixed axle. `goto_pose` is the polar feedback law (Siegwart 3.6.2): v = k_rho rho,
-omega = k_alpha alpha + k_beta beta (Siegwart (3.56), (3.57)); driving backwards is the same law for a robot that faces
-the other way, v -> -v, which is (3.55) as corrected. When P is at the goal with heading 0, the point is at its own
-place in the robot frame.
+The reference point takes (v, 0, omega). It is the centre of the fixed axle. `goto_pose` is the polar feedback law
+(Siegwart 3.6.2): v = k_rho rho, omega = k_alpha alpha + k_beta beta (Siegwart (3.56), (3.57)). Driving backwards is
+the same law for a robot that faces the opposite direction, v -> -v, which is (3.55) as corrected. When P is at the
+goal with heading 0, the reference point is at its own place in the robot frame.
 
 `pursuit` steers onto the circle that is tangent to the heading and meets a point ahead (Tzafestas (2.57)). With the
-goal at distance L in direction epsilon, its lateral offset d = L sin epsilon, the curvature is
-2 sin epsilon / L = 2 d / L^2 and a wheel at distance D before the fixed axle steers by atan(2 D sin epsilon / L).
+goal at distance L in direction epsilon and its lateral offset d = L sin epsilon, the curvature is 2 sin epsilon / L =
+2 d / L^2. A wheel at distance D before the fixed axle steers by atan(2 D sin epsilon / L).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from wmrgen.analysis.kinematics.records import Formula, Locals
 from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.control.gains import TEXTBOOK, judge, nominal_gains, shown
 from wmrgen.functions.models.axle import THROUGH_P, Axle, Vector, axle_of
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import nominal_view, rolling_row, working_view
 from wmrgen.geometry.exact.evaluate import number as nominal_number
 from wmrgen.geometry.exact.number import ZERO
@@ -43,29 +43,42 @@ from wmrgen.geometry.symbolic import (
     times,
 )
 
-_SMALL = 1e-9
-AT_GOAL = sympy.Rational(1, 10**9)  # [m]: nearer counts as there: directions mean nothing, it stands
-BORDER = sympy.Rational(1, 10**6)  # [rad]: so near a border of the angles counts as on it
+_SMALL = 1e-9  # relative: rounding of a rank and of the distance to the set of admissible twists
+AT_GOAL = sympy.Rational(1, 10**9)  # [m]: a nearer robot has arrived: at the goal bearings are undefined
+BORDER = sympy.Rational(1, 10**6)  # [rad]: an angle nearer to the end of its range is treated as the end
 
 
 def reference(robot: Robot, mobility: Mobility, name: str) -> Axle:
-    """The centre of the fixed axle and its rolling direction, P and x where no wheel is fixed.
+    """Return the centre of the fixed axle and its rolling direction; P and x if no wheel is fixed.
 
-    A skid-steer robot slides as it turns; its reference is the centre of its fixed wheels. NotDerivableError
-    where the robot cannot drive (v, 0, omega), as the function ``name`` has to.
+    A skid-steer robot slides as it turns; its reference is the centre of its fixed wheels.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        name: The function that needs to drive (v, 0, omega).
+
+    Raises:
+        NotDerivableError: If the robot cannot drive (v, 0, omega).
     """
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
     ref = axle_of(fixed, working_view) if fixed else THROUGH_P
     if drives(robot, mobility, ref) or _skids(robot, mobility, fixed):
         return ref
-    why = "the axles of its wheels do not let it turn and drive straight at will"
+    why, reason = "the axles of its wheels do not allow both driving straight and turning", Reason.AXLES
     if not mobility.degenerate and not fixed:
-        why = "its coupled wheels do not let it turn"
-    raise underivable(robot, name, f"it would need to drive (v, 0, omega), but {why}")
+        why, reason = "its coupled wheels prevent it from turning", Reason.COUPLINGS
+    raise underivable(robot, name, f"it needs a robot that can drive (v, 0, omega), but {why}", reason)
 
 
 def drives(robot: Robot, mobility: Mobility, ref: Axle) -> bool:
-    """True when both unit motions of Q lie in the (linear) set of admissible twists."""
+    """Return whether both unit motions of Q are in the (linear) set of admissible twists.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        ref: The axle with its centre Q.
+    """
     admissible = mobility.admissible
     if not admissible.linear or not len(admissible.basis):
         return False
@@ -77,7 +90,7 @@ def drives(robot: Robot, mobility: Mobility, ref: Axle) -> bool:
 
 
 def _skids(robot: Robot, mobility: Mobility, fixed: list[Wheel]) -> bool:
-    """True for parallel fixed wheels on several axles whose drives command both speed and turning."""
+    """Return whether the robot has parallel fixed wheels on several axles whose drives set speed and yaw rate."""
     if not mobility.degenerate or len(fixed) < len(robot.wheels):
         return False
     lead = fixed[0].nominal
@@ -90,7 +103,19 @@ def _skids(robot: Robot, mobility: Mobility, fixed: list[Wheel]) -> bool:
 def commands(
     robot: Robot, mobility: Mobility, ref: Axle, v: Expr, omega: Expr, names: Locals
 ) -> tuple[tuple[Port, ...], list[tuple[Port, Expr]]]:
-    """`inverse` of (v, 0, omega) at Q: its inputs beyond the twist, and its outputs."""
+    """Return the commands of `inverse` for (v, 0, omega) at Q.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        ref: The axle with its centre Q.
+        v: The speed of Q along the axle's direction of travel [m/s].
+        omega: The yaw rate [rad/s].
+        names: Takes the intermediate results.
+
+    Returns:
+        The inputs of `inverse` other than the twist, and its outputs with their values.
+    """
     f = inverse(robot, mobility)
     twist = dict(zip(TWIST_NAMES, (*ref.velocity_of_p(v, omega), omega), strict=True))
     values = names.adopt(f, {name: names.define(f"{name}_driving", value) for name, value in twist.items()})
@@ -104,19 +129,24 @@ _GOTO_OUTPUTS = (
     output("rho", "m", "distance to the goal"),
     output("alpha", "rad", "direction of the goal from the direction of driving"),
     output("beta", "rad", "-theta - alpha"),
-    output("direction", "", "+1 forward, -1 backwards: keep it as the next input"),
+    output("direction", "", "+1 forward, -1 backwards: use it as the next input"),
 )
 _GOTO_INPUTS = (
     Port("x", Role.STATE, "m", "position of P, goal frame"),
     Port("y", Role.STATE, "m", "position of P, goal frame"),
     Port("theta", Role.STATE, "rad", "heading, goal frame"),
-    Port("direction", Role.STATE, "", "+1 forward, -1 backwards, 0: as the goal lies ahead or behind"),
+    Port(
+        "direction",
+        Role.STATE,
+        "",
+        "+1 forward, -1 backwards, 0: forward if the goal is ahead, else backwards",
+    ),
 )
 
 
 @function("Siegwart (3.50)-(3.58), (3.55) corrected")
 def goto_pose(robot: Robot, mobility: Mobility) -> Formula:
-    """x y theta relative to the goal, direction and present steering to every joint's command."""
+    """Return joint commands from the pose relative to the goal, the direction of driving and the present steering."""
     _require_stable(robot)
     ref = reference(robot, mobility, "goto_pose")
     names = Locals()
@@ -135,24 +165,29 @@ def goto_pose(robot: Robot, mobility: Mobility) -> Formula:
 
 
 def _require_stable(robot: Robot) -> None:
+    """Raise NotDerivableError if the gains of the robot file do not stabilise the law."""
     gains = nominal_gains(robot)
     verdict = judge(**gains)
     if not verdict.stable:
         raise underivable(
-            robot, "goto_pose", f"gains {shown(gains)} do not stabilise it. Violated: "
-            f"{', '.join(verdict.violated)} (Siegwart (3.61)-(3.64)). Under gains: write others; without any, "
-            f"{shown(TEXTBOOK)} are taken.",
-        )  # fmt: skip
+            robot,
+            "goto_pose",
+            f"gains {shown(gains)} do not stabilise it. Violated: "
+            f"{', '.join(verdict.violated)} (Siegwart (3.61)-(3.64)). Change `gains`, or delete it to use "
+            f"{shown(TEXTBOOK)}.",
+            Reason.UNSTABLE_GAINS,
+        )
 
 
 def _gain(robot: Robot, name: str) -> Expr:
+    """Return a gain of the robot file, or of the textbook if the file has none."""
     return expression(robot.gains[name].working) if name in robot.gains else number(TEXTBOOK[name])
 
 
 def _polar(ref: Axle, names: Locals) -> tuple[Expr, Expr, Expr, Expr]:
-    """rho, alpha, beta (Siegwart (3.50)-(3.52)) and the direction of driving.
+    """Return rho, alpha, beta (Siegwart (3.50)-(3.52)) and the direction of driving.
 
-    Bearings come from the goal seen in the robot frame, so nothing needs wrapping; a bearing of -pi is given as pi.
+    Bearings are computed from the goal in the robot frame, so no angle needs wrapping. A bearing of -pi becomes pi.
     """
     x, y, theta = (signal(p.name) for p in POSE)
     c, s = names.define("theta_cos", sympy.cos(theta)), names.define("theta_sin", sympy.sin(theta))
@@ -160,7 +195,7 @@ def _polar(ref: Axle, names: Locals) -> tuple[Expr, Expr, Expr, Expr]:
         qx, qy = ref.centre
         dx, dy = rotated(c, s, qx, qy)
         x, y = add(x, dx, times(-1, qx)), add(y, dy, times(-1, qy))
-    px, py = _seen_along(ref, (x, y), names, "axle")
+    px, py = _along_axle(ref, (x, y), names, "axle")
     ahead = names.define("goal_ahead", times(-1, add(times(c, px), times(s, py))))
     left = names.define("goal_left", subtract(times(s, px), times(c, py)))
     rho = names.define("rho_value", norm(px, py))
@@ -174,19 +209,19 @@ def _polar(ref: Axle, names: Locals) -> tuple[Expr, Expr, Expr, Expr]:
     return rho, alpha, beta, way
 
 
-def _seen_along(ref: Axle, vector: Vector, names: Locals, prefix: str) -> Vector:
-    """A vector of the robot frame in components along and across the direction of Q."""
+def _along_axle(ref: Axle, vector: Vector, names: Locals, prefix: str) -> Vector:
+    """Return the components of a vector of the robot frame along and across the direction of Q."""
     along, across = rotated_back(*ref.direction, *vector)
     return names.define(f"{prefix}_ahead", along), names.define(f"{prefix}_left", across)
 
 
 def _half_open(angle: Expr) -> Expr:
-    """-pi is pi: rounding and the sign of zero must not choose the side."""
+    """Return pi for -pi: rounding and the sign of zero must not choose the side."""
     return select(angle, add(times(-1, sympy.pi), BORDER), sympy.pi, angle)
 
 
 def _direction(ahead: Expr, rho: Expr) -> Expr:
-    """As commanded; 0: forward when |alpha| <= pi/2, the set I1 (Siegwart (3.54))."""
+    """Return the commanded direction; for 0 forward if |alpha| <= pi/2, the set I1 (Siegwart (3.54))."""
     wanted, zero, one = signal("direction"), sympy.S.Zero, sympy.S.One
     bearing = select(ahead, times(-1, BORDER, rho), sympy.S.NegativeOne, one)
     return select(zero, wanted, one, select(wanted, zero, sympy.S.NegativeOne, bearing))
@@ -201,11 +236,11 @@ _PURSUIT_INPUTS = (
 
 @function("Tzafestas (2.57)")
 def pursuit(robot: Robot, mobility: Mobility) -> Formula:
-    """A look-ahead point and a speed to every joint's command; straight on where the point is reached."""
+    """Return joint commands for a look-ahead point and a speed; straight on if the point is reached."""
     ref = reference(robot, mobility, "pursuit")
     names = Locals()
     dx, dy = (subtract(signal(n), expression(p)) for n, p in (("goal_x", ref.x), ("goal_y", ref.y)))
-    gx, gy = _seen_along(ref, (dx, dy), names, "goal")
+    gx, gy = _along_axle(ref, (dx, dy), names, "goal")
     square_l = names.define("distance_squared", add(square(gx), square(gy)))
     far = times(AT_GOAL, AT_GOAL)
     divisor = names.define("divisor", select(far, square_l, square_l, sympy.S.One))
@@ -214,7 +249,10 @@ def pursuit(robot: Robot, mobility: Mobility) -> Formula:
     more, outputs = commands(robot, mobility, ref, signal("v"), omega, names)
     outputs += [
         (output("omega", "rad/s", "yaw rate, counter-clockwise"), omega),
-        (output("curvature", "1/m", "of the circle of the axle centre, to the left"), bend),
+        (
+            output("curvature", "1/m", "curvature of the circle of the axle centre, positive to the left"),
+            bend,
+        ),
     ]
     base = wheelbase(robot, ref)
     if base is not None:
@@ -229,7 +267,7 @@ def pursuit(robot: Robot, mobility: Mobility) -> Formula:
 
 
 def wheelbase(robot: Robot, ref: Axle) -> Poly | None:
-    """D [m], from the fixed axle to the steered wheels along the heading; None unless all have the same."""
+    """Return D [m], from the fixed axle to the steered wheels along the heading; None unless all wheels share it."""
     if not any(w.kind.fixed_axle for w in robot.wheels):
         return None
     bases = {ref.seen(working_view(w))[0] for w in robot.wheels if w.kind.steers}

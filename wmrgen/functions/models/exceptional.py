@@ -1,10 +1,10 @@
-"""Where a growth vector is another one: configurations at which brackets that are independent elsewhere are not.
+"""Configurations with a smaller growth vector: brackets that are independent elsewhere are dependent there.
 
-The growth vector belongs to generic configurations. The brackets that add its dimensions are independent wherever one
-of their minors is not zero. There every order spans as many dimensions as it does generically, for it never spans more.
-The minor is formed in the robot frame, in which no component depends on where the robot is. Where it is a product of
-cosines and sines, each of them that can be zero gives a set of configurations, and the vector at a generic one of them
-is counted from all brackets. Any other minor is given as a condition alone.
+The growth vector is valid at generic configurations. The brackets that add its dimensions are independent wherever one
+of their minors is not zero. There every order spans as many dimensions as generically, because it never spans more.
+The minor is formed in the robot frame, in which no component depends on the position of the robot. If it is a product
+of cosines and sines, each factor that can be zero gives a set of configurations, and the growth vector at a generic
+configuration of the set is computed from all brackets. Any other minor is reported as a condition alone.
 """
 
 from __future__ import annotations
@@ -27,24 +27,24 @@ from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.exact.poly import Gen, Poly
 from wmrgen.geometry.symbolic import Expr, expression
 
-MOST_TERMS = 4_000  # of the entries' product in a minor that is expanded: a tenth of a second
+MOST_TERMS = 4_000  # products of terms in a minor that is expanded: a tenth of a second
 MOST_FACTORED = 60  # terms of a minor that is factored: a hundredth of a second
-MOST_BRACKETS = 200  # that are formed at an exceptional configuration: a second
-MARGIN = 1e-9  # of rounding
+MOST_BRACKETS = 200  # brackets formed at an exceptional configuration: a second
 THETA = Poly.gen("input", "theta")
 
 
 class Exceptional(NamedTuple):
-    """Configurations where ``condition`` is 0; the growth ``vector`` at generic ones of them, () where not counted."""
+    """A set of configurations with another growth vector."""
 
-    condition: Expr
-    vector: tuple[int, ...]
+    condition: Expr  # 0 at these configurations
+    vector: tuple[int, ...]  # at generic configurations of the set; () if unknown
 
 
 def exceptional(system: System, growth: Growth) -> tuple[Exceptional, ...] | None:
-    """Where the growth vector of a system may be another one; none where it holds at every configuration of the model.
+    """Return the sets of configurations at which the growth vector of a system may differ.
 
-    None where no minor short enough is known: the vector is that of generic configurations.
+    The result is empty if the vector is valid at every configuration of the model. It is None if no minor is short
+    enough to be expanded: then only the vector of generic configurations is known.
     """
     values = {p.name: Poly.of(p.default) for p in system.geometry if p.default is not None}
     best: tuple[Poly, ...] | None = None
@@ -56,28 +56,29 @@ def exceptional(system: System, growth: Growth) -> tuple[Exceptional, ...] | Non
             return ()
     if best is None:
         return None
-    return tuple(_counted(system, growth, one) for one in best)
+    return tuple(_with_growth_vector(system, growth, one) for one in best)
 
 
 def _in_robot_frame(field: Field) -> Field:
-    """The field with the velocity of P in the robot frame: x and y come first in every state."""
+    """Return the field with the velocity of P in the robot frame: x and y come first in every state."""
     c, s = Poly.gen("cosf", "", THETA), Poly.gen("sinf", "", THETA)
     x, y, *rest = field
     return (c * x + s * y, c * y - s * x, *rest)
 
 
 def _minors(rows: list[Field]) -> Iterator[Poly]:
-    """The minors of full size that are not zero and short enough to be expanded."""
+    """Yield the minors of full size that are not zero and short enough to be expanded."""
     for columns in combinations(range(len(rows[0])), len(rows)):
         entries = [[row[k] for k in columns] for row in rows]
-        if prod(max(1, sum(len(p.terms) for p in row)) for row in entries) <= MOST_TERMS:
+        sizes = [sum(len(p.terms) for p in row) for row in entries]
+        if prod(max(1, size) for size in sizes) <= MOST_TERMS:
             minor = determinant(entries)
             if minor:
                 yield minor
 
 
 def _zeros(minor: Poly, values: Mapping[str, Poly]) -> tuple[Poly, ...]:
-    """Factors of a minor that can be zero where the model holds: cosines, sines, and what is no product."""
+    """Return the factors of a minor that can be zero in the model: cosines, sines, and factors that are sums."""
     core, factor = split(minor)
     ((powers, _),) = factor.terms.items()
     found = [
@@ -90,7 +91,7 @@ def _zeros(minor: Poly, values: Mapping[str, Poly]) -> tuple[Poly, ...]:
 
 
 def _factors(p: Poly) -> list[Poly]:
-    """The factors of a short polynomial with rational coefficients, each once; else the polynomial itself."""
+    """Return the factors of a short polynomial with rational coefficients, each once; else the polynomial itself."""
     gens = p.generators
     powers = {tuple(dict(m).get(g, 0) for g in gens): c for m, c in p.terms.items()}
     if (
@@ -103,40 +104,44 @@ def _factors(p: Poly) -> list[Poly]:
     _, factors = sympy.Poly.from_dict(table, *(sympy.Dummy() for _ in gens)).factor_list()
 
     def back(factor: sympy.Poly) -> Poly:
-        terms = ((m, Fraction(int(c.p), int(c.q))) for m, c in factor.terms())
-        return Poly.sum(
-            Poly({tuple((g, e) for g, e in zip(gens, m, strict=True) if e): Exact(c)}) for m, c in terms
-        )
+        terms = []
+        for exponents, c in factor.terms():
+            monomial = tuple((g, e) for g, e in zip(gens, exponents, strict=True) if e)
+            terms.append(Poly({monomial: Exact(Fraction(int(c.p), int(c.q)))}))
+        return Poly.sum(terms)
 
     return [back(factor) for factor, _ in factors]
 
 
 def _argument(g: Gen) -> Poly:
-    """What is zero where a root or the inverse of a quotient is."""
+    """Return the polynomial that is zero if a root or the inverse of a quotient is."""
     return g.args[0] if g.kind in ("sqrt", "inv") else g.alone
 
 
 def _never_zero(p: Poly, values: Mapping[str, Poly]) -> bool:
-    """Whether a polynomial is not zero at the nominal parameters, whatever the state is.
+    """Return whether a polynomial is not zero at the nominal parameters, for every state.
 
-    It is not where its constant term is larger than all others can be: cosines and sines are at most 1.
+    This is certain if the constant term is larger than the sum of all other terms, because cosines and sines are at
+    most 1. In all other cases the answer is False.
     """
     terms = fix(p, values).terms
     if any(g.kind not in ("cosf", "sinf") or e < 0 for m in terms for g, e in m):
         return False
-    return abs(float(terms.get((), ZERO))) > (1 + MARGIN) * sum(abs(float(c)) for m, c in terms.items() if m)
+    constant = abs(float(terms.get((), ZERO)))
+    others = sum(abs(float(c)) for m, c in terms.items() if m)
+    return constant > (1 + 1e-9) * others  # more than the rounding error of the sum
 
 
-def _counted(system: System, growth: Growth, condition: Poly) -> Exceptional:
-    """The growth vector at a generic configuration of a set, all brackets taken."""
+def _with_growth_vector(system: System, growth: Growth, condition: Poly) -> Exceptional:
+    """Return a condition with the growth vector at a generic configuration that satisfies it."""
     point = generic_point(system.state, 0)
     ((monomial, _),) = condition.terms.items() if len(condition.terms) == 1 else (((), ONE),)
-    placed = len(monomial) == 1 and _placed(monomial[0][0], point)
+    placed = len(monomial) == 1 and _move_to_zero(monomial[0][0], point)
     return Exceptional(expression(condition), _vector(system, growth, point) if placed else ())
 
 
-def _placed(g: Gen, point: dict[str, Exact]) -> bool:
-    """Moves the point to where a cosine or a sine is zero; False where it is none of a sum of states."""
+def _move_to_zero(g: Gen, point: dict[str, Exact]) -> bool:
+    """Move the point to where a cosine or a sine is zero. Return False if its argument is no sum of states."""
     sums = g.kind in ("cosf", "sinf") and all(
         len(m) == 1 and m[0][1] == 1 and m[0][0].kind == "input" and abs(c) == ONE
         for m, c in g.args[0].terms.items()
@@ -154,7 +159,7 @@ def _placed(g: Gen, point: dict[str, Exact]) -> bool:
 
 
 def _vector(system: System, growth: Growth, point: Mapping[str, Exact]) -> tuple[int, ...]:
-    """Dimensions by order at a point until all are reached that are elsewhere; () if that takes too many brackets."""
+    """Return dimensions by order at a point, up to the generic dimension; () if that takes too many brackets."""
     values = {p.name: p.default for p in system.geometry if p.default is not None}
     inputs = [b.polys for b in growth.brackets if b.order == 1]
     slopes, newest, rows, dims, formed = Slopes(growth.state), inputs, [], list[int](), 0

@@ -1,12 +1,12 @@
 """Frobenius's test: which rolling constraints can be integrated to relations between positions.
 
 A Pfaffian row a . xi + (joint rates) becomes the one-form c = c_x dx + c_y dy + c_theta dtheta + ... in the world
-frame, by xi = R(theta) (x', y', theta'). It is integrable exactly where c ^ dc = 0, with three coordinates where
-c . curl c = 0 (Tzafestas (2.25): -1). A set of rows is integrable exactly where the velocities that they leave are
-closed under Lie brackets, which mobility answers: DDOF = DOF (Siegwart 3.4.2).
+frame, by xi = R(theta) (x', y', theta'). It is integrable exactly if c ^ dc = 0; with three coordinates, if c . curl c
+= 0 (Tzafestas (2.25): -1). A set of rows is integrable exactly if the velocities that they admit are closed under Lie
+brackets. The mobility answers this: DDOF = DOF (Siegwart 3.4.2).
 
-Coefficients are polynomials in the cosine and sine of theta and of steering angles, in which zero is zero: sin**2 is
-replaced by 1 - cos**2, and then every polynomial has one form.
+Coefficients are polynomials in the cosine and sine of theta and of steering angles. sin**2 is replaced by 1 - cos**2,
+so every polynomial has one form, and a zero is recognised.
 """
 
 from __future__ import annotations
@@ -28,34 +28,35 @@ from wmrgen.geometry.notation import escape
 from wmrgen.geometry.printing import Latex, exact
 from wmrgen.geometry.symbolic import Expr, expression
 
-SMALL = 1e-12  # what rounding to 40 digits leaves of a zero
+SMALL = 1e-12  # far above the rounding error of coefficients with 40 digits
 ZERO = Poly({})
 THETA = Poly.gen("input", "theta")
 
 
 class RowTest(NamedTuple):
-    """One constraint. ``components``: coefficients of c ^ dc by coordinates; one, c . curl c, of three."""
+    """The test of one constraint."""
 
     wheel: str
-    kind: str  # sliding rolling
-    coordinates: tuple[str, ...]
-    row: tuple[Expr, ...]
+    kind: str  # sliding or rolling
+    coordinates: tuple[str, ...]  # names of the coordinates of the one-form
+    row: tuple[Expr, ...]  # coefficients of the one-form c
+    # coefficients of c ^ dc by coordinates; for three coordinates one, c . curl c
     components: tuple[tuple[tuple[str, str, str], Expr], ...]
     integrable: bool
-    curl: tuple[Expr, Expr, Expr] | None
+    curl: tuple[Expr, Expr, Expr] | None  # for three coordinates only
 
     @property
     def value(self) -> Expr:
-        """c . curl c where there are three coordinates; else a component of c ^ dc that is not 0, or 0."""
+        """Return c . curl c for three coordinates; else a component of c ^ dc that is not 0, or 0."""
         return next((e for _, e in self.components if e != 0), sympy.S.Zero)
 
     def proof(self, shown: Callable[[Expr], str] = exact) -> str:
-        """One line that can be followed by hand, expressions as ``shown`` writes them."""
+        """Return one line that can be followed by hand. ``shown`` writes the expressions."""
         return _written(self, shown, latex=False)
 
     @property
     def latex(self) -> str:
-        """The same line for LaTeX math."""
+        """Return the same line as LaTeX math."""
         return _written(self, Latex().doprint, latex=True)
 
 
@@ -70,12 +71,12 @@ class Integrability(NamedTuple):
     integrals: tuple[Integral, ...]
 
     def row(self, wheel: str, kind: str = "sliding") -> RowTest:
-        """The test of one wheel's constraint. KeyError when there is none."""
+        """Return the test of one wheel's constraint. Raise KeyError if there is none."""
         return {(r.wheel, r.kind): r for r in self.rows}[wheel, kind]
 
 
 def integrability(robot: Robot, mobility: Mobility) -> Integrability:
-    """Frobenius's test of every constraint of the layout and of all together."""
+    """Return Frobenius's test of every constraint of the layout and of all together."""
     shown, numbers = constrain(robot, symbolic_view), constrain(robot, nominal_view)
     pairs = zip((*shown.sliding, *shown.rolling), (*numbers.sliding, *numbers.rolling), strict=True)
     rows = tuple(_test(r.wheel.name, r.kind, world_form(r), world_form(n)) for r, n in pairs)
@@ -85,14 +86,14 @@ def integrability(robot: Robot, mobility: Mobility) -> Integrability:
 
 
 class Form(NamedTuple):
-    """A one-form: ``coefficients[k]`` belongs to d(``coordinates[k]``)."""
+    """A one-form."""
 
     coordinates: tuple[str, ...]
-    coefficients: tuple[Poly, ...]
+    coefficients: tuple[Poly, ...]  # ``coefficients[k]`` belongs to d(``coordinates[k]``)
 
 
 def world_form(row: ConstraintRow) -> Form:
-    """The form of a constraint row on x, y, theta, the wheel's steering angle and its wheel angle."""
+    """Return the form of a constraint row on x, y, theta, the wheel's steering angle and its wheel angle."""
     a, b, k = row.row
     c, s = Poly.gen("cosf", "", THETA), Poly.gen("sinf", "", THETA)
     coordinates = ["x", "y", "theta"]
@@ -108,20 +109,20 @@ def world_form(row: ConstraintRow) -> Form:
 
 
 def partial(poly: Poly, coordinate: str) -> Poly:
-    """d poly / d coordinate, for theta and steering angles; no coefficient depends on any other."""
+    """Return d poly / d coordinate for theta and steering angles; no coefficient depends on another coordinate."""
     if coordinate.endswith(".steer"):
         return by_steering(poly, coordinate.removesuffix(".steer"))
     return by_state(poly, coordinate) if coordinate == "theta" else ZERO
 
 
 def exterior(form: Form) -> dict[tuple[int, int], Poly]:
-    """dc: the coefficient of dq_i ^ dq_j, i < j, is d_i c_j - d_j c_i."""
+    """Return dc: the coefficient of dq_i ^ dq_j, i < j, is d_i c_j - d_j c_i."""
     q, c = form.coordinates, form.coefficients
     return {(i, j): partial(c[j], q[i]) - partial(c[i], q[j]) for i, j in combinations(range(len(q)), 2)}
 
 
 def frobenius_components(form: Form) -> Iterator[tuple[tuple[str, str, str], Poly]]:
-    """c ^ dc: the coefficient of dq_i ^ dq_j ^ dq_k is c_i (dc)_jk - c_j (dc)_ik + c_k (dc)_ij."""
+    """Yield c ^ dc: the coefficient of dq_i ^ dq_j ^ dq_k is c_i (dc)_jk - c_j (dc)_ik + c_k (dc)_ij."""
     d = exterior(form)
     q, c = form.coordinates, form.coefficients
     for i, j, k in combinations(range(len(q)), 3):
@@ -129,11 +130,10 @@ def frobenius_components(form: Form) -> Iterator[tuple[tuple[str, str, str], Pol
 
 
 def _test(wheel: str, kind: str, shown: Form, numbers: Form) -> RowTest:
-    """Decided on the numbers, written in the named parameters."""
-    vanishes = {
-        names: all(abs(float(c)) < SMALL for c in p.terms.values())
-        for names, p in frobenius_components(numbers)
-    }
+    """Return the test of a row, decided on the numbers and written in the named parameters."""
+    vanishes = {}
+    for names, p in frobenius_components(numbers):
+        vanishes[names] = all(abs(float(c)) < SMALL for c in p.terms.values())
     components = tuple(
         (names, sympy.S.Zero if vanishes[names] else expression(p))
         for names, p in frobenius_components(shown)
@@ -144,12 +144,13 @@ def _test(wheel: str, kind: str, shown: Form, numbers: Form) -> RowTest:
 
 
 def _curl(form: Form) -> tuple[Expr, Expr, Expr]:
+    """Return curl c of a form of three coordinates."""
     d = exterior(form)
     return expression(d[1, 2]), expression(-d[0, 2]), expression(d[0, 1])
 
 
 def _together(m: Mobility) -> str:
-    """The constraints on the pose; wheel angles add relations of their own (`integrals`)."""
+    """Return a sentence on all constraints of the pose; wheel angles add relations of their own (`integrals`)."""
     reached = f"they leave DDOF = {m.ddof} velocities, whose Lie brackets reach DOF = {m.dof}"
     if m.ddof == 3:
         return "No constraint on the pose is left (DDOF = DOF = 3): the robot is holonomic."
@@ -163,7 +164,7 @@ def _together(m: Mobility) -> str:
 
 
 def _written(test: RowTest, shown: Callable[[Expr], str], *, latex: bool) -> str:
-    """c = (...), curl c = (...), c . curl c = ...: verdict."""
+    """Return c = (...), curl c = (...), c . curl c = ...: verdict."""
     verdict = "integrable" if test.integrable else "not integrable"
     end = rf":\ \text{{{verdict}}}" if latex else f": {verdict}"
     nonzero = "" if test.integrable else r" \neq 0" if latex else " != 0"

@@ -1,7 +1,7 @@
-"""How far Lie brackets of a model's vector fields reach: its growth vector (Siegwart 3.4.1; Tzafestas 2.2.3).
+"""Dimensions that Lie brackets of a model's vector fields span: its growth vector (Siegwart 3.4.1; Tzafestas 2.2.3).
 
-Which brackets are independent is decided at a rational point of the state space, see `vector_fields`. The growth vector
-counts the dimensions that brackets of up to k fields span there; its length is the degree of nonholonomy.
+Which brackets are independent is decided at a rational point of the state space, see `vector_fields`. The growth
+vector lists the dimensions that brackets of up to k fields span there. Its length is the degree of nonholonomy.
 """
 
 from __future__ import annotations
@@ -10,10 +10,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.sheet import tidy
 from wmrgen.functions.models.vector_fields import Field, Slopes, bracket_by, generic_point, to_poly, value_at
-from wmrgen.functions.registry import system_builder
+from wmrgen.functions.registry import Reason, UnderivableError, system_builder
 from wmrgen.functions.system import System
 from wmrgen.geometry.exact.linalg import rank
 from wmrgen.geometry.exact.number import Exact
@@ -21,51 +20,51 @@ from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.printing import exact
 from wmrgen.geometry.symbolic import Expr, expression
 
-MOST_STATES = 10  # each further state triples the time; 10 take a second
-MOST_PRODUCTS = 80_000  # of terms, in all derivatives and brackets together: 7,000 to 18,000 take a second
+MOST_STATES = 10  # 10 states take a second; each further state triples the time
+MOST_PRODUCTS = 80_000  # products of terms in all derivatives and brackets: 7,000 to 18,000 take a second
 
 
 class Bracket(NamedTuple):
-    """A vector field reached by the inputs. ``name``: g1, [g1, g2], [g1, [g1, g2]]; ``order``: fields in it."""
+    """A Lie bracket of input fields, or an input field itself."""
 
-    name: str
-    order: int
-    polys: Field
+    name: str  # g1, [g1, g2], [g1, [g1, g2]]
+    order: int  # number of input fields in it
+    polys: Field  # components in the order of the state
 
     @property
     def field(self) -> tuple[Expr, ...]:
-        """Components in the order of the state."""
+        """Return the components as expressions, in the order of the state."""
         return tuple(expression(p) for p in self.polys)
 
     def written(self, shown: Callable[[Expr], str] = exact) -> tuple[str, ...]:
-        """Components in Python syntax, or as ``shown`` writes them."""
+        """Return the components as text: in Python syntax, or as ``shown`` writes them."""
         return tuple(shown(tidy(e)) for e in self.field)
 
 
 class Growth(NamedTuple):
-    """``brackets``: those that add a dimension, the input fields first. ``vector``: dimensions by order."""
+    """The growth vector of a system and the brackets that make it."""
 
     state: tuple[str, ...]
-    vector: tuple[int, ...]
-    brackets: tuple[Bracket, ...]
+    vector: tuple[int, ...]  # dimensions spanned by brackets of up to 1, 2, ... fields
+    brackets: tuple[Bracket, ...]  # those that add a dimension, the input fields first
 
     @property
     def degree(self) -> int:
-        """Degree of nonholonomy: the order after which nothing is added."""
+        """Return the degree of nonholonomy: the order after which no dimension is added."""
         return len(self.vector)
 
     @property
     def controllable(self) -> bool:
-        """True where the brackets span every direction of the state space."""
+        """Return whether the brackets span every direction of the state space."""
         return self.vector[-1] == len(self.state)
 
     @property
     def text(self) -> str:
-        """What is said of the growth vector where nothing is known of single configurations."""
+        """Return the sentence on the growth vector for generic configurations."""
         return self.told(everywhere=False)
 
     def told(self, everywhere: bool) -> str:
-        """The growth vector, where it holds, and which bracket adds each dimension."""
+        """Return a sentence: the growth vector, where it is valid, and which bracket adds each dimension."""
         vector = ", ".join(map(str, self.vector))
         added = [b.name for b in self.brackets if b.order > 1]
         where = "wherever the model holds" if everywhere else "at generic configurations"
@@ -79,12 +78,21 @@ class Growth(NamedTuple):
 
 
 def growth(system: System, seed: int = 0, most: int = MOST_PRODUCTS) -> Growth:
-    """The growth vector of a system. NotDerivableError where its brackets in symbols take more than ``most`` products
-    of terms, or it has too many states."""
+    """Return the growth vector of a system.
+
+    Args:
+        system: A model with few enough states.
+        seed: Chooses the rational point at which ranks are taken.
+        most: How many products of terms may be formed.
+
+    Raises:
+        NotDerivableError: If the system has too many states, or if its brackets take more than ``most`` products.
+    """
     if len(system.state) > MOST_STATES:
-        raise NotDerivableError(
-            f"{system.name} has {len(system.state)} states: Lie brackets are formed for up to {MOST_STATES}. "
-            "Where a chained form of n states exists (`chained`), the growth vector is (2, 3, ..., n)"
+        raise UnderivableError(
+            f"{system.name} has {len(system.state)} states, and Lie brackets are formed for up to {MOST_STATES}. "
+            "If the robot has a chained form of n states (`chained`), the growth vector is (2, 3, ..., n)",
+            Reason.TOO_LONG,
         )
     state = tuple(p.name for p in system.state)
     values = {p.name: p.default for p in system.geometry if p.default is not None}
@@ -107,7 +115,7 @@ def growth(system: System, seed: int = 0, most: int = MOST_PRODUCTS) -> Growth:
     vector, work, slopes = [len(reached)], 0, Slopes(state)
     rates: dict[str, tuple[Field, ...]] = {}
     if any(g.kind in ("inv", "sqrt") for b in inputs for p in b.polys for g in p.generators):
-        most //= 3  # terms that hold polynomials of their own take longer
+        most //= 3  # a term with a root or an inverse takes longer
     while newest and len(reached) < len(state):
         pairs, formed = _pairs(inputs, newest), [b for b in newest if b.name not in rates]
         work += sum(slopes.products(b.polys) for b in formed)
@@ -115,9 +123,10 @@ def growth(system: System, seed: int = 0, most: int = MOST_PRODUCTS) -> Growth:
             rates |= {b.name: slopes.jacobian(b.polys) for b in formed}
             work += sum(_products(a, rates[a.name], b, rates[b.name]) for a, b in pairs)
         if work > most:
-            raise NotDerivableError(
-                f"{system.name} has Lie brackets of too many terms to be formed in symbols. "
-                "Trailers that are coupled off the axle (`hitch`) double them one by one"
+            raise UnderivableError(
+                f"the Lie brackets of {system.name} have too many terms to be formed in symbols. "
+                "Each trailer that is coupled off the axle (`hitch`) doubles the number of terms",
+                Reason.TOO_LONG,
             )
         order = len(vector) + 1
         brackets = (
@@ -133,31 +142,34 @@ def growth(system: System, seed: int = 0, most: int = MOST_PRODUCTS) -> Growth:
 
 
 def _pairs(inputs: list[Bracket], newest: list[Bracket]) -> list[tuple[Bracket, Bracket]]:
-    """What may add a dimension: the bracket of each input with each field that added one last."""
+    """Return the pairs whose bracket may add a dimension: each input with each field that added one last."""
     if newest[0].order == 1:
         return [(a, b) for i, a in enumerate(inputs) for b in inputs[i + 1 :]]
     return [(g, b) for b in newest for g in inputs]
 
 
 def _products(f: Bracket, df: tuple[Field, ...], g: Bracket, dg: tuple[Field, ...]) -> int:
-    """How many products of terms the bracket of two fields takes."""
-    sizes = [[len(p.terms) for p in b.polys] for b in (f, g)]
-    return sum(
-        len(p.terms) * n
-        for rows, size in zip((dg, df), sizes, strict=True)
-        for row in rows
-        for p, n in zip(row, size, strict=True)
-    )
+    """Return how many products of terms the bracket of two fields takes."""
+    count = 0
+    for jacobian, field in ((dg, f), (df, g)):
+        for row in jacobian:
+            count += sum(len(p.terms) * len(q.terms) for p, q in zip(row, field.polys, strict=True))
+    return count
 
 
 def robot_growth(robot: Robot, mobility: Mobility, most: int = MOST_PRODUCTS) -> Growth:
-    """The growth of `growing`."""
+    """Return the growth vector of a robot's model, see `growing`.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        most: How many products of terms may be formed.
+    """
     return growth(growing(robot, mobility), most=most)
 
 
 def growing(robot: Robot, mobility: Mobility) -> System:
-    """The model whose brackets are formed: the posture model in null-space coordinates, with trailers if there are
-    some."""
+    """Return the model whose brackets are formed: posture in null-space coordinates, with trailers if there are any."""
     if not mobility.degree_of_mobility:
-        raise NotDerivableError(f"{robot.name} cannot move: it has no vector fields")
+        raise UnderivableError(f"{robot.name} cannot move: it has no vector fields", Reason.MOBILITY)
     return system_builder("trailer" if robot.trailers else "eta")(robot, mobility, True)

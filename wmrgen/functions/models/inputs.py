@@ -1,13 +1,13 @@
 """Which driven joints are the inputs of a model, and the twist that each of them gives.
 
-A driven joint measures the null-space coordinates: r spin + o steer_rate = e(beta) . eta. As many independent
-ones as the degree of mobility, put into E, give xi = N E^-1 (r spin + o steer_rate). The inputs of a model are these
-joints and the steering rates; where too few joints are driven, null-space coordinates eta in place of the joints.
+A driven joint measures the null-space coordinates: r spin + o steer_rate = e(beta) . eta. As many independent joints
+as the degree of mobility form the matrix E, and xi = N E^-1 (r spin + o steer_rate). The inputs of a model are these
+joints and the steering rates. If too few joints are driven, the null-space coordinates eta replace the joints.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -29,8 +29,14 @@ from wmrgen.functions.models.frame import (
     rim_row,
     steering_rates,
 )
-from wmrgen.functions.models.polynomials import angles_in, cleaned, divided, domain_of, essential
-from wmrgen.functions.models.tied import meeting
+from wmrgen.functions.models.polynomials import (
+    angles_in,
+    divided,
+    domain_of,
+    row_without_rounding,
+    zero_condition,
+)
+from wmrgen.functions.models.tied import where_motions_meet
 from wmrgen.functions.models.virtual import as_wheel, driving, steering_frame
 from wmrgen.functions.system import Domain
 from wmrgen.geometry.exact.linalg import adjugate, determinant
@@ -43,79 +49,92 @@ Eta = tuple[Poly, ...]  # coordinates of a twist along the columns of N
 
 
 class UnderactuatedError(NotDerivableError):
-    """Fewer independent driven joints than degrees of mobility; the text says what is missing."""
+    """Fewer independent driven joints than degrees of mobility."""
+
+    def __init__(
+        self, what: str, driven: Sequence[str], dependent: Sequence[str], free: Sequence[str]
+    ) -> None:
+        super().__init__(what)
+        self.driven = tuple(driven)  # independent driven joints
+        self.dependent = tuple(dependent)  # driven joints that depend on the others
+        self.free = tuple(free)  # joints without a motor
 
 
 class Drive(NamedTuple):
     """A driven joint: scale * input + sum of offsets[name] * (rate of coordinate ``name``) = row . eta."""
 
     port: Port
-    row: Eta
+    row: Eta  # coefficients of eta
     scale: Poly
-    offsets: dict[str, Poly]
+    offsets: dict[str, Poly]  # by steering coordinate
 
 
 class Motion(NamedTuple):
-    """How inputs move the body.
-
-    ``twists[k]``: the twist of P per unit of ``inputs[k]``, robot frame. ``etas[k] / divisor``: its coordinates
-    along the columns of N. The model holds where ``divisor`` is not zero. ``followers``: driven joints besides, which
-    must agree with the inputs.
-    """
+    """The twists that the inputs of a model cause. The model holds if ``divisor`` is not zero."""
 
     frame: Frame
     inputs: tuple[Port, ...]
+    # ``etas[k] / divisor``: coordinates along the columns of N per unit of ``inputs[k]``
     etas: tuple[Eta, ...]
     divisor: Poly
-    twists: tuple[Row, ...]
+    twists: tuple[Row, ...]  # ``twists[k]``: twist of P per unit of ``inputs[k]``, robot frame
     text: str
-    followers: tuple[str, ...] = ()
+    followers: tuple[str, ...] = ()  # other driven joints, which must agree with the inputs
 
     @property
     def robot(self) -> Robot:
-        """The layout."""
+        """Return the layout."""
         return self.frame.robot
 
     @property
     def swivels(self) -> tuple[Wheel, ...]:
-        """Castors whose angle the motion depends on: states of the posture model."""
+        """Return castors whose angle the motion depends on: they are states of the posture model."""
         seen = angles_in(tuple(p for twist in self.twists for p in twist))
         return tuple(w for w in self.robot.wheels if w.kind.swivels and w.name in seen)
 
     @property
     def domain(self) -> tuple[Domain, ...]:
-        """Where the inputs lose their grip on the motion."""
+        """Return the conditions under which the inputs no longer determine the motion."""
         one = len(self.frame.columns) == 1
         if self.divisor.constant is not None and one:
             condition = Poly.sum(p * p for p in self.frame.columns[0])
             text = "all entries of the null space vanish: axles fall into one line and rank C1 drops"
         else:
-            condition = essential(self.divisor)
+            condition = zero_condition(self.divisor)
             rates = {f"{w.name}.steer_rate" for w in self.frame.wheels}
             drives = in_code(p.name for p in self.inputs if p.name not in rates)
             text = f"G is unbounded: {drives} no longer determine{'s' * one} the motion"
         columns = self.frame.columns
         own = domain_of(condition, text, self.robot)
         lost = () if one else self.lost
-        return (*own, *lost, *meeting(self.robot, self.frame.view, columns))
+        return (*own, *lost, *where_motions_meet(self.robot, self.frame.view, columns))
 
     @property
     def lost(self) -> tuple[Domain, ...]:
-        """Where coupled castors stand so that a column of the null space vanishes, and with it an input."""
+        """Return where the angles of coupled castors make a column of the null space vanish, and an input with it."""
         castors = {w.name for w in self.robot.wheels if w.kind.swivels}
         column = next((c for c in self.frame.columns if castors & angles_in(c)), None)
         if column is None:
             return ()
         turning = in_code(sorted(castors & angles_in(column)))
-        text = f"the angles of {turning} let a column of the null space vanish, though the robot can move"
+        text = f"the angles of {turning} make a column of the null space vanish, although the robot can move"
         return domain_of(Poly.sum(p * p for p in column), text, self.robot)
 
 
 def posture_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Motion:
-    """The motion in driven speeds and steering rates. UnderactuatedError where too few joints are driven."""
+    """Return the motion in driven speeds and steering rates.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        symbolic: Whether all parameters are symbols, or only the tunable ones.
+
+    Raises:
+        UnderactuatedError: If too few joints are driven.
+    """
     frame = steering_frame(robot, mobility, symbolic)
     drives, idle = _choose(frame)
-    etas, determinant = _solved(drives, tuple(w.name for w in frame.wheels))
+    etas, determinant = _solve(drives, tuple(w.name for w in frame.wheels))
     inputs = (*(d.port for d in drives), *_rate_ports(frame))
     note = f"; {', '.join(idle)} must follow" if idle else ""
     text = f"posture model in {', '.join(p.name for p in inputs)}{note}"
@@ -123,11 +142,18 @@ def posture_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> 
 
 
 def eta_motion(robot: Robot, mobility: Mobility, symbolic: bool = False, virtual: bool = False) -> Motion:
-    """The motion in null-space coordinates, as ``dynamics`` has it; ``virtual`` takes the virtual angles."""
+    """Return the motion in null-space coordinates, as ``dynamics`` has it.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        symbolic: Whether all parameters are symbols, or only the tunable ones.
+        virtual: Whether angles of virtual wheels are the steering coordinates.
+    """
     build = steering_frame if virtual else frame
     cleared = build(robot, mobility, True)
     per_eta = scaled(cleared.columns, cleared.wheels, robot)
-    columns = per_eta if symbolic else tuple(cleaned(fixed(column, robot)) for column in per_eta)
+    columns = per_eta if symbolic else tuple(row_without_rounding(fixed(column, robot)) for column in per_eta)
     coordinates = (cleared if symbolic else build(robot, mobility, False))._replace(columns=columns)
     size = range(len(columns))
     ports = tuple(
@@ -140,7 +166,13 @@ def eta_motion(robot: Robot, mobility: Mobility, symbolic: bool = False, virtual
 
 
 def best_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Motion:
-    """In driven speeds where the actuation allows it, else in null-space coordinates."""
+    """Return the motion in driven speeds if enough joints are driven, else in null-space coordinates.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        symbolic: Whether all parameters are symbols, or only the tunable ones.
+    """
     try:
         return posture_motion(robot, mobility, symbolic)
     except UnderactuatedError as error:
@@ -149,6 +181,7 @@ def best_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Mot
 
 
 def _rate_ports(frame: Frame) -> tuple[Port, ...]:
+    """Return the steering rates of the coordinates as inputs."""
     return tuple(joint_port(w, "steer_rate", Role.COMMAND) for w in frame.wheels)
 
 
@@ -160,6 +193,7 @@ def _motion(
     text: str,
     followers: tuple[str, ...] = (),
 ) -> Motion:
+    """Return the motion of inputs with the given coordinates."""
     twists = []
     for eta in etas:
         x, y, turn = (Poly.sum(c[i] * e for c, e in zip(frame.columns, eta, strict=True)) for i in range(3))
@@ -167,20 +201,23 @@ def _motion(
     return Motion(frame, inputs, tuple(etas), divisor, tuple(twists), text, followers)
 
 
-def _solved(drives: list[Drive], rates: tuple[str, ...]) -> tuple[list[Eta], Poly]:
-    """adj(E) times each input (drives, then steering rates): eta still to be divided by det E, and det E."""
+def _solve(drives: list[Drive], rates: tuple[str, ...]) -> tuple[list[Eta], Poly]:
+    """Return adj(E) times each input (drives, then steering rates), and det E: eta is the quotient."""
     matrix = [d.row for d in drives]
     inverse, size = adjugate(matrix), range(len(matrix))
     inputs = [[d.scale if i == k else ZERO for i in size] for k, d in enumerate(drives)]
     inputs += [[d.offsets.get(name, ZERO) for d in drives] for name in rates]
-    etas = [tuple(Poly.sum(inverse[m][k] * u[k] for k in size if u[k]) for m in size) for u in inputs]
+    etas = []
+    for u in inputs:
+        driven = [k for k in size if u[k]]
+        etas.append(tuple(Poly.sum(inverse[m][k] * u[k] for k in driven) for m in size))
     return etas, determinant(matrix)
 
 
 def _choose(frame: Frame) -> tuple[list[Drive], list[str]]:
-    """The independent joints of lowest index, as many as N has columns, and the names of the others.
+    """Return the first independent joints, as many as N has columns, and the names of the others.
 
-    UnderactuatedError, with what is missing, where there are too few.
+    Raise UnderactuatedError if there are too few.
     """
     drives: list[Drive] = []
     rows: list[list[float]] = []
@@ -197,12 +234,12 @@ def _choose(frame: Frame) -> tuple[list[Drive], list[str]]:
                 continue
         idle.append(name)
     if len(drives) < len(frame.columns):
-        raise UnderactuatedError(_missing(frame, drives, idle))
+        raise _underactuated(frame, drives, idle)
     return drives, idle
 
 
 def _candidates(frame: Frame) -> Iterator[tuple[str, Callable[[], Drive]]]:
-    """Virtual drives, then driven joints in the order of the file, with their names; coupled spins once."""
+    """Yield virtual drives, then driven joints in the order of the file, with their names; coupled spins once."""
     robot = frame.robot
     for v in driving(robot):
         yield f"{v.name}.speed", partial(_virtual, frame, as_wheel(robot, v))
@@ -217,6 +254,7 @@ def _candidates(frame: Frame) -> Iterator[tuple[str, Callable[[], Drive]]]:
 
 
 def _spin(frame: Frame, w: Wheel) -> Drive:
+    """Return the spin of a wheel as a drive."""
     g = frame.view(w)
     offsets = {}
     if w.kind.steers and g.steer_arm:
@@ -225,18 +263,19 @@ def _spin(frame: Frame, w: Wheel) -> Drive:
 
 
 def _swivel(frame: Frame, w: Wheel) -> Drive:
+    """Return the steering rate of a castor as a drive."""
     return Drive(joint_port(w, "steer_rate", Role.COMMAND), castor_row(frame, w), Poly.of(1), {})
 
 
 def _virtual(frame: Frame, w: Wheel) -> Drive:
-    """The speed of the virtual wheel's place along the travel of its wheels [m/s]."""
+    """Return the speed of a virtual wheel along the travel of its wheels [m/s] as a drive."""
     text = f"speed of the virtual wheel {w.name}, positive forward"
     port = output(f"{w.name}.speed", "m/s", text)
     return Drive(port, rim_row(frame, _coincident(frame, w)), Poly.of(1), {})
 
 
 def _coincident(frame: Frame, w: Wheel) -> Wheel:
-    """The steering coordinate that stands in the same place, whose speed has no root; else the wheel."""
+    """Return the steering coordinate at the same place, whose speed has no root; else the wheel."""
     standing = (w.nominal.x, w.nominal.y, w.nominal.ch, w.nominal.sh)
     for c in frame.wheels if w.turns else ():
         if (c.nominal.x, c.nominal.y, c.nominal.ch, c.nominal.sh) == standing and not c.nominal.o:
@@ -245,6 +284,7 @@ def _coincident(frame: Frame, w: Wheel) -> Wheel:
 
 
 def _independent(rows: list[list[float]]) -> bool:
+    """Return whether rows are independent."""
     sizes = [max(abs(v) for v in row) for row in rows]
     if min(sizes) < 1e-12:
         return False
@@ -252,10 +292,12 @@ def _independent(rows: list[list[float]]) -> bool:
     return numeric_rank(scaled)[0] == len(rows)
 
 
-def _missing(frame: Frame, drives: list[Drive], idle: list[str]) -> str:
+def _underactuated(frame: Frame, drives: list[Drive], idle: list[str]) -> UnderactuatedError:
+    """Return the error: how many freedoms are driven, and which joints to actuate."""
     robot, need = frame.robot, len(frame.columns)
     have = ", ".join(d.port.name for d in drives) or "nothing"
-    dependent = f"; {', '.join(idle)} adds nothing that is independent" if idle else ""
+    are = "is" if len(idle) == 1 else "are"
+    dependent = f"; {', '.join(idle)} {are} not independent" if idle else ""
     free = [f"{w.name}.spin" for w in robot.wheels if w.has_spin and "spin" not in w.actuated]
     free += [f"{w.name}.steer_rate" for w in robot.wheels if w.kind.swivels and "steer" not in w.actuated]
     missing = need - len(drives)
@@ -264,4 +306,5 @@ def _missing(frame: Frame, drives: list[Drive], idle: list[str]) -> str:
         if free
         else f"{missing} more driven wheel{'s' if missing > 1 else ''} would be needed"
     )
-    return f"the driven joints move {len(drives)} of {need} freedoms ({have}{dependent}). Missing actuation: {advice}"
+    what = f"the driven joints move {len(drives)} of {need} freedoms ({have}{dependent}). Missing actuation: {advice}"
+    return UnderactuatedError(what, [d.port.name for d in drives], idle, free)

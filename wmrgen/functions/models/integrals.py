@@ -1,9 +1,9 @@
-"""What integrable constraints integrate to, for wheels that do not steer.
+"""Relations that integrable constraints integrate to, for wheels that do not steer.
 
-The admissible twists span a subalgebra g of se(2) when DDOF = DOF. One translation: the body moves along a line,
-every wheel angle is its distance over r (Siegwart 3.4.2: phi = x/r + phi0). One rotation: a circle about a fixed
-centre. Two translations: the heading is constant. In every case rolling integrates with it, and wheel angles are
-functions of the position.
+The admissible twists span a subalgebra g of se(2) if DDOF = DOF. With one translation the body moves along a line, and
+every wheel angle is its distance over r (Siegwart 3.4.2: phi = x/r + phi0). With one rotation the body moves on a
+circle about a fixed centre. With two translations the heading is constant. In every case rolling integrates as well,
+and wheel angles are functions of the position.
 """
 
 from __future__ import annotations
@@ -14,8 +14,7 @@ import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
-from wmrgen.functions.registry import function
+from wmrgen.functions.registry import Reason, UnderivableError, function
 from wmrgen.geometry.constraints import constrain, nominal_view, rolling_row, working_view
 from wmrgen.geometry.exact.evaluate import fix
 from wmrgen.geometry.exact.linalg import left_null_space
@@ -28,33 +27,31 @@ from wmrgen.geometry.symbolic import add, expression, rotated_back, signal, time
 Terms = tuple[tuple[str, float], ...]  # a linear function: quantity, coefficient
 Twist = tuple[Exact, Exact, Exact]
 
-SMALL = 1e-12  # a component of a row or of a twist nearer to zero than this counts as zero
+SMALL = 1e-12  # a component of a row or of a twist nearer to zero is treated as zero
 
 
 class Integral(NamedTuple):
-    """sum of coefficients * quantities is constant along every motion.
+    """A relation: the sum of coefficients * quantities is constant along every motion."""
 
-    Quantities: ``x_body``, ``y_body``: components [m] in the robot frame of the way of P at constant heading;
-    ``theta``; ``<wheel>.angle``.
-    """
-
+    # of ``x_body`` and ``y_body`` [m], the displacement of P in the robot frame at constant heading;
+    # ``theta``; ``<wheel>.angle``
     coefficients: Terms
     text: str
 
 
 def integrals(robot: Robot, mobility: Mobility) -> tuple[Integral, ...]:
-    """Relations that the constraints integrate to; where steered wheels decide the motion, those of the pose alone."""
+    """Return the relations that the constraints integrate to; for steered wheels, only relations of the pose."""
     twists = constant_twists(robot, mobility)
     if twists is None:
         straight = mobility.dof == 2 and not any(turn for _, _, turn in mobility.null_space)
         return (Integral((("theta", 1.0),), "theta = const"),) if straight else ()
     if mobility.dof == 3:
-        return _combinations(robot)
-    return (*_posture(twists), *_rolled(robot, twists))
+        return _angle_combinations(robot)
+    return (*_pose_relations(twists), *_wheel_relations(robot, twists))
 
 
 def constant_twists(robot: Robot, mobility: Mobility) -> list[Twist] | None:
-    """Columns of the null space as numbers; None where they turn with an angle."""
+    """Return the columns of the null space as numbers; None if they depend on an angle."""
     values = {p.name: p.value for p in robot.parameters}
     twists = []
     for column in mobility.null_space:
@@ -66,18 +63,18 @@ def constant_twists(robot: Robot, mobility: Mobility) -> list[Twist] | None:
 
 
 def on_circle(twists: list[Twist]) -> bool:
-    """Whether the body can only turn about one point."""
+    """Return whether the body can only turn about one point."""
     return len(twists) == 1 and abs(float(twists[0][2])) > SMALL
 
 
-def _posture(twists: list[Twist]) -> tuple[Integral, ...]:
-    """theta and the way across, or the centre of the circle."""
+def _pose_relations(twists: list[Twist]) -> tuple[Integral, ...]:
+    """Return the relations of the pose: a constant heading and a line, or the centre of a circle."""
     if not twists:
         return (Integral((("x_body", 1.0),), "x, y and theta are constant: the robot cannot move"),)
     vx, vy, omega = (float(v) for v in twists[0])
     if on_circle(twists):
         centre = f"({-vy / omega:.6g}, {vx / omega:.6g})"
-        text = f"the body turns about the point {centre} of the robot frame, which stays where it is"
+        text = f"the body turns about the point {centre} of the robot frame, which does not move"
         return (Integral((), text),)
     fixed = Integral((("theta", 1.0),), "theta = const")
     if len(twists) == 2:
@@ -86,8 +83,8 @@ def _posture(twists: list[Twist]) -> tuple[Integral, ...]:
     return fixed, Integral(across, f"{_sum(across)} = const: the body can only translate along a line")
 
 
-def _rolled(robot: Robot, twists: list[Twist]) -> tuple[Integral, ...]:
-    """Wheel angles as linear functions of the way, or of theta on a circle."""
+def _wheel_relations(robot: Robot, twists: list[Twist]) -> tuple[Integral, ...]:
+    """Return wheel angles as linear functions of the position, or of theta on a circle."""
     relations = []
     for w in rolling_wheels(robot):
         row, radius = _numbers(rolling_row(w, nominal_view(w)).row), w.nominal.rolling_radius
@@ -95,14 +92,14 @@ def _rolled(robot: Robot, twists: list[Twist]) -> tuple[Integral, ...]:
             rate = sum((a * b for a, b in zip(row, twists[0], strict=True)), ZERO) / twists[0][2]
             way: Terms = (("theta", float(rate / radius)),)
         else:
-            way = _reachable((float(row[0] / radius), float(row[1] / radius)), twists)
+            way = _gradient_along_line((float(row[0] / radius), float(row[1] / radius)), twists)
         way = tuple((k, c) for k, c in way if abs(c) > SMALL)
         relations.append(Integral(((f"{w.name}.angle", -1.0), *way), f"{w.name}.angle = {_sum(way)} + const"))
     return tuple(relations)
 
 
-def _reachable(gradient: tuple[float, float], twists: list[Twist]) -> Terms:
-    """The gradient along x and y of the body, without what is across the only line."""
+def _gradient_along_line(gradient: tuple[float, float], twists: list[Twist]) -> Terms:
+    """Return the gradient along x and y of the body, projected on the line if there is only one translation."""
     a, b = gradient
     if len(twists) == 1:
         vx, vy, _ = (float(v) for v in twists[0])
@@ -111,8 +108,8 @@ def _reachable(gradient: tuple[float, float], twists: list[Twist]) -> Terms:
     return ("x_body", a), ("y_body", b)
 
 
-def _combinations(robot: Robot) -> tuple[Integral, ...]:
-    """Sums of wheel angles that depend on the heading alone, or on nothing."""
+def _angle_combinations(robot: Robot) -> tuple[Integral, ...]:
+    """Return sums of wheel angles that depend on the heading alone, or are constant."""
     wheels = rolling_wheels(robot)
     if not wheels:
         return ()
@@ -139,16 +136,17 @@ def _combinations(robot: Robot) -> tuple[Integral, ...]:
 
 
 def rolling_wheels(robot: Robot) -> list[Wheel]:
-    """Wheels whose rolling row is constant."""
+    """Return the wheels whose rolling row is constant."""
     return [w for w in robot.wheels if w.has_spin and not w.turns]
 
 
 def _numbers(row: Row) -> Twist:
+    """Return a row as numbers."""
     return triple(p.constant or ZERO for p in row)
 
 
 def _sum(terms: Terms) -> str:
-    """2 x + 0.5 y, with signs."""
+    """Return a sum as text with signs: 2 x + 0.5 y."""
     text = ""
     for name, c in terms:
         size = "" if abs(abs(c) - 1) < SMALL else f"{abs(c):.6g} "
@@ -158,16 +156,17 @@ def _sum(terms: Terms) -> str:
 
 @function("Siegwart 3.4.2, the locked bicycle; Konstantinov (6)")
 def wheel_angles(robot: Robot, mobility: Mobility) -> Formula:
-    """Position of P since the wheel angles were as given, to the wheel angles: holonomic robots that do not steer.
+    """Return the wheel angles after P has moved, for holonomic robots that do not steer.
 
-    Body on a line or free to translate: x, y are the way of P in the world, theta the constant heading. Body on a
-    circle: theta is the angle turned (Siegwart 3.4.2).
+    If the body moves on a line or is free to translate, x and y are the displacement of P in the world and theta is
+    the constant heading. If it moves on a circle, theta is the angle of rotation (Siegwart 3.4.2).
     """
     twists = constant_twists(robot, mobility)
     if twists is None or mobility.dof == 3 or not twists or not rolling_wheels(robot):
-        raise NotDerivableError(
-            f"{robot.name}: wheel angles are functions of the position only for holonomic robots that do not turn "
-            f"freely (DOF < 3) and do not steer; this one has DDOF {mobility.ddof}, DOF {mobility.dof}"
+        raise UnderivableError(
+            f"{robot.name} has no wheel_angles: they are functions of the position only for holonomic robots that do "
+            f"not turn freely (DOF < 3) and do not steer; this robot has DDOF {mobility.ddof}, DOF {mobility.dof}",
+            Reason.MOBILITY,
         )
     names = Locals()
     x, y, theta = (signal(p.name) for p in POSE)

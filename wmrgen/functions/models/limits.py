@@ -1,5 +1,8 @@
-"""What a robot file limits, in the terms of a model: bounds of its state and inputs, and of h(x, u, p) for what is
-neither: the twist under wheel speeds, wheel speeds under a twist, steering that follows."""
+"""Limits of a robot file in the terms of a model.
+
+They are bounds of its state and inputs, and bounds of further quantities h(x, u, p): the twist if wheel speeds are
+inputs, wheel speeds if the twist is the input, and the angles of wheels that follow.
+"""
 
 from __future__ import annotations
 
@@ -29,23 +32,29 @@ NO_BOUND = (-inf, inf)
 
 
 class Limited(NamedTuple):
-    """``bounds``: low and high of state, inputs and outputs of ``formula`` by contract name; ``changes``: of the rates
-    of those that have such a limit. ``formula``: h of state, inputs and parameters, None where there is nothing for
-    it. ``absent``: limits that the model has no variable for."""
+    """The limits of a robot in one form of its model."""
 
-    bounds: dict[str, Bound]
-    changes: dict[str, Bound]
-    formula: Formula | None
-    absent: tuple[str, ...]
+    bounds: dict[str, Bound]  # low and high of state, inputs and outputs of ``formula``, by name
+    changes: dict[str, Bound]  # low and high of their rates, if limited
+    formula: Formula | None  # h of state, inputs and parameters; None if nothing else is limited
+    absent: tuple[str, ...]  # limits for which the model has no variable
 
 
 def limited(
     robot: Robot, mobility: Mobility, form: str, system: System, following: Mapping[str, Lag]
 ) -> Limited:
-    """The limits of a robot in one form of its model, whose inputs ``following`` are decided by their lags."""
+    """Return the limits of a robot in one form of its model.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        form: The form of the model, for example ``posture``.
+        system: The model in this form.
+        following: Inputs that are replaced by commands, with the lag between command and steering angle.
+    """
     inputs = tuple(following[u.name].command if u.name in following else u for u in system.inputs)
     entries = (*system.state, *inputs)
-    terms = _Terms(robot, mobility, form, system, following)
+    terms = _LimitedQuantities(robot, mobility, form, system, following)
     outputs, absent = [], []
     for port, same in _limits(robot):
         if same & {p.name for p in entries} or port.name in terms.narrowing:
@@ -56,7 +65,7 @@ def limited(
         elif value is not sympy.S.Zero:
             outputs.append((port, value))
     ports = (*entries, *system.geometry)
-    text = f"quantities that the robot file limits besides x and u: {', '.join(p.name for p, _ in outputs)}"
+    text = f"limited quantities in addition to x and u: {', '.join(p.name for p, _ in outputs)}"
     h = terms.locals.formula("limits", ports, outputs, text)
     bounds = {p.name: _bound(robot, p.name) for p in (*entries, *(p for p, _ in outputs))}
     bounds |= {p.name: terms.range(p.name) for p in entries if p.name.endswith((".steer", ".steer_command"))}
@@ -66,7 +75,7 @@ def limited(
 
 
 def _limits(robot: Robot) -> Iterator[tuple[Port, set[str]]]:
-    """What the robot file limits, once of joints that are coupled, with the names of all of them."""
+    """Yield each limited quantity, once for coupled joints, with the names of all joints of the coupling."""
     for port in TWIST:
         if {port.name, f"{port.name}_rate"} & robot.limits.keys():
             yield port, {port.name}
@@ -88,19 +97,19 @@ _RATES = {
 
 
 def _rate_of(name: str) -> str:
-    """The limit of how fast an entry may change: ``vx`` -> ``vx_rate``; "" if robot files have none."""
+    """Return the name of the limit of how fast a quantity may change: ``vx`` -> ``vx_rate``; "" if there is none."""
     owner, dot, quantity = name.rpartition(".")
     return f"{owner}{dot}{_RATES[quantity]}" if quantity in _RATES else ""
 
 
 def _bound(robot: Robot, name: str) -> Bound:
-    """What the robot file sets, infinite where it sets nothing."""
+    """Return the bounds of the robot file, infinite if it has none."""
     limit = robot.limit_of(name.removesuffix("_command"))
     return NO_BOUND if limit is None else (float(limit.low), float(limit.high))
 
 
-class _Terms:
-    """What limits are about, in state and inputs of a model."""
+class _LimitedQuantities:
+    """The limited quantities, written in state and inputs of a model."""
 
     def __init__(
         self, robot: Robot, mobility: Mobility, form: str, system: System, following: Mapping[str, Lag]
@@ -112,38 +121,38 @@ class _Terms:
 
     @cached_property
     def frame(self) -> Frame:
-        """The steering coordinates that other wheels follow."""
+        """Return the steering coordinates that other wheels follow."""
         build = frame if self.form == "eta" else steering_frame
         return build(self.robot, self.mobility, False)
 
     @cached_property
     def narrowing(self) -> dict[str, Wheel]:
-        """Angles that follow from one coordinate beside a fixed axle: their limits are limits of the coordinate."""
+        """Return angles that follow from one coordinate beside a fixed axle: their limits limit the coordinate."""
         axle, wheels = self.axle, {}
         if axle and self.posed:
-            apart = [w for w in self.robot.wheels if abs(_from(axle, w).real) > NEGLIGIBLE]
+            apart = [w for w in self.robot.wheels if abs(_seen_from(axle, w).real) > NEGLIGIBLE]
             wheels = {f"{w.name}.steer": w for w in apart if w.kind.steers and not self._is_state(w)}
         return wheels if wheels and len(self.frame.wheels) == 1 else {}
 
     @cached_property
     def axle(self) -> Wheel | None:
-        """A fixed wheel."""
+        """Return a fixed wheel."""
         return next((w for w in self.robot.wheels if w.kind.fixed_axle), None)
 
     @property
     def posed(self) -> bool:
-        """Whether the state begins with the pose of the robot."""
+        """Return whether the state begins with the pose of the robot."""
         return self.system.state[:3] == POSE
 
     def range(self, name: str) -> Bound:
-        """The angles of a coordinate at which it keeps its limit, and all that follow it keep theirs."""
+        """Return the range of a coordinate in which it and all angles that follow are inside their limits."""
         low, high = _bound(self.robot, name)
         for follower in self.narrowing.values():
             limit = self.robot.limit(follower, "steer")
             (lead,) = self.frame.wheels
             if limit and self.axle and name.startswith(f"{lead.name}."):
                 ends = [
-                    _seen_by(self.robot, lead, follower, self.axle, float(end))
+                    _lead_angle(self.robot, lead, follower, self.axle, float(end))
                     for end in (limit.low, limit.high)
                 ]
                 low, high = max(low, min(ends)), min(high, max(ends))
@@ -151,17 +160,18 @@ class _Terms:
 
     @cached_property
     def rates(self) -> dict[str, Expr]:
-        """State -> its rate where the world's axes are the robot's."""
+        """Return the rate of each state, with the axes of the world along the axes of the robot."""
         ahead = {signal("theta"): sympy.S.Zero}
         following, system = self.following, self.system
         inputs = [following[u.name].rate if u.name in following else signal(u.name) for u in system.inputs]
-        return {
-            p.name: add(*(times(f[i].xreplace(ahead), u) for f, u in zip(system.fields, inputs, strict=True)))
-            for i, p in enumerate(system.state)
-        }
+        rates = {}
+        for i, p in enumerate(system.state):
+            parts = [times(f[i].xreplace(ahead), u) for f, u in zip(system.fields, inputs, strict=True)]
+            rates[p.name] = add(*parts)
+        return rates
 
     def value(self, port: Port) -> Expr | None:
-        """None where the model has no variable for it."""
+        """Return the expression of a quantity; None if the model has no variable for it."""
         wheel, _, quantity = port.name.rpartition(".")
         if not self.posed:
             return None
@@ -172,18 +182,22 @@ class _Terms:
         )
 
     def _lead(self, w: Wheel) -> Wheel:
+        """Return the wheel whose joint turns ``w``."""
         return self.robot.wheels[self.robot.steer_group[w.index]]
 
     def _is_state(self, w: Wheel) -> bool:
+        """Return whether the steering angle of a wheel is a state."""
         return f"{self._lead(w).name}.steer" in self.state
 
     def _steer(self, w: Wheel) -> Expr | None:
+        """Return the steering angle of a wheel that follows."""
         if not w.kind.steers:
             return None
         along, across = steering_direction(self.frame, w)
         return angle_of(expression(across), expression(along))
 
     def _steer_rate(self, w: Wheel) -> Expr | None:
+        """Return the steering rate of a wheel; None for a castor whose angle is no state."""
         if self._is_state(w):
             return times(w.steer_sign, self.rates[f"{self._lead(w).name}.steer"])
         if not w.kind.steers:
@@ -192,6 +206,7 @@ class _Terms:
         return add(*(times(expression(k), self.rates[f"{name}.steer"]) for name, k in shares.items()))
 
     def _spin(self, w: Wheel) -> Expr | None:
+        """Return the spin of a wheel [rad/s]; None for a castor whose angle is no state."""
         g = working_view(w)
         row = driving_row(w, g)
         if w.turns:
@@ -206,7 +221,7 @@ class _Terms:
         return expression(rim * g.rolling_radius.inverse())
 
     def _turned(self, w: Wheel) -> tuple[Poly, Poly] | None:
-        """Cosine and sine of a steering angle; None of a castor whose angle is no state."""
+        """Return cosine and sine of a steering angle; None for a castor whose angle is no state."""
         if self._is_state(w):
             c, s = steer_gens(self._lead(w))
             return c, s.scale(Exact(w.steer_sign))
@@ -221,37 +236,40 @@ class _Terms:
 
     @cached_property
     def _twist(self) -> Row:
-        """The twist of P in the robot frame."""
+        """Return the twist of P in the robot frame."""
         return triple(
             self._named(twist.name, self.rates[p.name]) for twist, p in zip(TWIST, POSE, strict=True)
         )
 
     def _named(self, name: str, value: Expr) -> Poly:
+        """Return a value as an intermediate result; 0 needs no name."""
         return Poly({}) if value is sympy.S.Zero else self.locals.poly(name, value)
 
 
-def _from(axle: Wheel, w: Wheel) -> complex:
-    """Where a wheel stands, seen from a fixed wheel along its rolling direction [m]."""
+def _seen_from(axle: Wheel, w: Wheel) -> complex:
+    """Return the position of a wheel from a fixed wheel, along its rolling direction and to the left [m]."""
     a, g = axle.nominal, w.nominal
     x, y = g.x - a.x, g.y - a.y
     return complex(float(x * a.ch + y * a.sh), float(y * a.ch - x * a.sh))
 
 
-def _ahead(robot: Robot, w: Wheel, axle: Wheel) -> float:
-    """The angle of a wheel [rad] where the robot drives straight on, of its two that nearest to the middle of its
+def _straight_ahead(robot: Robot, w: Wheel, axle: Wheel) -> float:
+    """Return the angle [rad] at which the robot drives straight on; of two, the one nearer to the middle of its
     limits."""
     limit, turn = robot.limit(w, "steer"), phase(axle.zero_heading / w.zero_heading)
     middle = float(limit.low + limit.high) / 2 if limit else 0.0
     return turn - pi * round((turn - middle) / pi)
 
 
-def _seen_by(robot: Robot, lead: Wheel, w: Wheel, axle: Wheel, angle: float) -> float:
-    """The angle of ``lead`` [rad] while ``w`` stands at ``angle``, and both roll beside ``axle``, a fixed wheel;
-    infinite where ``w`` may turn round."""
-    here, there = _from(axle, w), _from(axle, lead)
-    delta = angle - _ahead(robot, w, axle)
+def _lead_angle(robot: Robot, lead: Wheel, w: Wheel, axle: Wheel, angle: float) -> float:
+    """Return the angle of ``lead`` [rad] when ``w`` is at ``angle`` and both roll beside the fixed wheel ``axle``.
+
+    The result is infinite if ``w`` may turn round.
+    """
+    here, there = _seen_from(axle, w), _seen_from(axle, lead)
+    delta = angle - _straight_ahead(robot, w, axle)
     side = copysign(1.0, here.real)
     if abs(delta) >= pi:
         return copysign(inf, delta * here.real * there.real)
     omega, speed = side * sin(delta), side * (here.real * cos(delta) + here.imag * sin(delta))
-    return _ahead(robot, lead, axle) + phase(complex(speed - omega * there.imag, omega * there.real))
+    return _straight_ahead(robot, lead, axle) + phase(complex(speed - omega * there.imag, omega * there.real))

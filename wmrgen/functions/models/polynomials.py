@@ -1,5 +1,4 @@
-"""Polynomials in sines and cosines of steering angles: values, derivatives, equations and quotients in short form, and
-where they vanish."""
+"""Polynomials in sines and cosines of steering angles: derivatives, quotients in short form, and zeros."""
 
 from __future__ import annotations
 
@@ -13,36 +12,42 @@ from wmrgen.geometry.exact.poly import Gen, Poly, Row, common_powers, derivative
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.symbolic import Expr, expression
 
-NEGLIGIBLE = 1e-12
-_STEPS = 720
-_MARGIN = 1e-3
+NEGLIGIBLE = 1e-12  # relative: smaller coefficients are rounding errors
 
 
 def without_lengths(p: Poly) -> Poly:
-    """The left-hand side of p = 0 without powers of lengths that all terms have."""
+    """Return the left-hand side of p = 0 without powers of lengths that all terms share."""
     lengths = sorted((g, e) for g, e in common_powers([p]).items() if e and g.kind == "param")
     return p * Poly({tuple(lengths): ONE}).inverse()
 
 
 def whole(polys: Sequence[Poly]) -> list[Poly]:
-    """Polynomials of one scale times the least number that leaves no fraction, where that is small."""
+    """Return polynomials of one scale times the smallest number that removes all fractions, if it is small."""
     common = lcm(*(c.den for p in polys for c in p.terms.values()))
-    return [p.scale(common) if common <= 100 else p for p in polys]  # more makes numbers longer
+    return [
+        p.scale(common) if common <= 100 else p for p in polys
+    ]  # a larger factor makes the numbers longer
 
 
 def by_angle(poly: Poly, cosine: Gen, sine: Gen) -> Poly:
-    """The derivative by an angle that enters through this cosine and sine alone."""
+    """Return the derivative by an angle that occurs only in this cosine and this sine.
+
+    Args:
+        poly: The polynomial.
+        cosine: The generator of the angle's cosine.
+        sine: The generator of the angle's sine.
+    """
     rates = {cosine: -sine.alone, sine: cosine.alone}
     return derivative(poly, lambda g: rates.get(g, Poly({})))
 
 
 def by_steering(poly: Poly, wheel: str) -> Poly:
-    """d poly / d(steering angle of ``wheel``)."""
+    """Return d poly / d(steering angle of ``wheel``)."""
     return by_angle(poly, Gen("cos", wheel), Gen("sin", wheel))
 
 
 def angles_in(polys: tuple[Poly, ...] | Row) -> set[str]:
-    """Names of the wheels whose steering angle occurs."""
+    """Return the names of the wheels whose steering angle occurs."""
     names: set[str] = set()
     for p in polys:
         for g in p.generators:
@@ -50,24 +55,24 @@ def angles_in(polys: tuple[Poly, ...] | Row) -> set[str]:
     return names
 
 
-def clean(*polys: Poly) -> tuple[Poly, ...]:
-    """The polynomials without terms that only rounding of their coefficients has left over."""
+def without_rounding(*polys: Poly) -> tuple[Poly, ...]:
+    """Return the polynomials without terms that are only rounding errors of their coefficients."""
     least = NEGLIGIBLE * max((abs(float(c)) for p in polys for c in p.terms.values()), default=0.0)
     return tuple(Poly({m: c for m, c in p.terms.items() if abs(float(c)) > least}) for p in polys)
 
 
-def cleaned(row: Row) -> Row:
-    """The same of a row."""
-    return triple(clean(*row))
+def row_without_rounding(row: Row) -> Row:
+    """Return a row without terms that are only rounding errors."""
+    return triple(without_rounding(*row))
 
 
 def divided(row: Row, divisor: Poly) -> Row:
-    """row / divisor, with what is common cancelled."""
-    return each(cleaned(row), lambda p: quotient(p, divisor))
+    """Return row / divisor, with common factors cancelled."""
+    return each(row_without_rounding(row), lambda p: quotient(p, divisor))
 
 
 def quotient(above: Poly, below: Poly) -> Poly:
-    """above / below: a constant times monomials where one is a multiple of the other."""
+    """Return above / below: a constant times monomials if one is a multiple of the other."""
     if not above or len(below.terms) == 1:
         return above * below.inverse() if above else above
     core, factor = split(below)
@@ -78,7 +83,7 @@ def quotient(above: Poly, below: Poly) -> Poly:
 
 
 def split(poly: Poly) -> tuple[Poly, Poly]:
-    """poly = core * factor: the factor is a monomial, the core has no common one and leading coefficient 1."""
+    """Return core and factor of poly = core * factor. The factor is a monomial; the core has none and starts with 1."""
     first, coefficient = poly.ordered[0]
     common = {g: e for g, e in first if g.kind != "inv"}
     for m in poly.terms:
@@ -88,8 +93,8 @@ def split(poly: Poly) -> tuple[Poly, Poly]:
     return poly * factor.inverse(), factor
 
 
-def essential(poly: Poly) -> Poly:
-    """The condition poly = 0 without factors that are lengths, numbers, powers or roots."""
+def zero_condition(poly: Poly) -> Poly:
+    """Return the condition poly = 0 without factors that are lengths, numbers, powers or roots."""
     core, factor = split(poly)
     (core,) = whole([without_lengths(core)])
     parts = [_squared(Poly({((g, 1),): ONE})) for m in factor.terms for g, e in m if e > 0]
@@ -101,7 +106,7 @@ def essential(poly: Poly) -> Poly:
 
 
 def _squared(part: Poly) -> Poly:
-    """What stands under a root, else the part itself."""
+    """Return the polynomial under a root, else the part itself."""
     ((monomial, _),) = part.terms.items()
     gen = monomial[0][0]
     return gen.args[0] if gen.kind == "sqrt" else part
@@ -110,12 +115,22 @@ def _squared(part: Poly) -> Poly:
 def domain_of(
     condition: Poly, text: str, robot: Robot, shown: Callable[[Poly], Expr] = expression
 ) -> tuple[Domain, ...]:
-    """Where a model does not hold, and what ``text`` says of it; empty where the condition is never zero."""
+    """Return where a model does not hold.
+
+    Args:
+        condition: The polynomial that is zero there.
+        text: What happens there, with names in backticks.
+        robot: The robot, for the values of its parameters.
+        shown: Converts the polynomial to an expression.
+
+    Returns:
+        One domain; none if the condition is never zero.
+    """
     return () if never_zero(condition, robot) else (Domain(shown(condition), text),)
 
 
 def never_zero(poly: Poly, robot: Robot) -> bool:
-    """True for a constant, and for a function of one steering angle that keeps clear of zero all the way round."""
+    """Return whether a polynomial is a constant, or a function of one steering angle without zeros."""
     if poly.constant is not None:
         return True
     names = angles_in((poly,))
@@ -127,9 +142,11 @@ def never_zero(poly: Poly, robot: Robot) -> bool:
     if not {*valued.generators} <= {cosine, sine}:
         return False
     terms = [(float(c), dict(m)) for m, c in valued.terms.items()]
-    samples = [
-        sum(k * cos(a) ** powers.get(cosine, 0) * sin(a) ** powers.get(sine, 0) for k, powers in terms)
-        for a in (2 * pi * step / _STEPS for step in range(_STEPS))
-    ]
+    samples = []
+    for half_degrees in range(720):
+        angle = half_degrees * pi / 360
+        c, s = cos(angle), sin(angle)
+        samples.append(sum(k * c ** powers.get(cosine, 0) * s ** powers.get(sine, 0) for k, powers in terms))
     top = max(abs(v) for v in samples)
-    return min(abs(v) for v in samples) > _MARGIN * top and (min(samples) > 0) == (max(samples) > 0)
+    clear = 1e-3 * top  # samples nearer to zero are treated as zero
+    return min(abs(v) for v in samples) > clear and (min(samples) > 0) == (max(samples) > 0)

@@ -1,20 +1,20 @@
 """The kinematic models of a robot as systems q' = G(q) u: posture, eta, configuration and zeta.
 
 **posture**: xi_I' = R(theta)^T Sigma(beta) u in the speeds that drive the robot (Siegwart 3.4; Campion, Bastin,
-d'Andrea-Novel (1996)), see `inputs`. With a driven rear wheel the car of Tzafestas (2.55), with a driven front wheel
-that of (2.56a), the tricycle (2.46), the differential drive (2.37d), three omni wheels (2.74). **eta**: the same in the
-coordinates of the null space, `dynamics`.
+d'Andrea-Novel (1996)), see `inputs`. It is the car of Tzafestas (2.55) for a driven rear wheel, the car of (2.56a) for
+a driven front wheel, the tricycle (2.46), the differential drive (2.37d), and the robot on three omni wheels (2.74).
+**eta**: the same in the coordinates of the null space, `dynamics`.
 
-**configuration**: rates of everything that turns or moves, q = (x, y, theta, steering coordinates, castor angles, wheel
-angles). Steered wheels that follow by the Ackermann condition have no state of their own: their angles are functions
-of the coordinates (`virtual_steering`).
+**configuration**: the rates of everything that turns or moves, q = (x, y, theta, steering coordinates, castor angles,
+wheel angles). Steered wheels that follow by the Ackermann condition have no state of their own: their angles are
+functions of the coordinates (`virtual_steering`).
 
-**zeta**: the reference of a car moves to the steered front wheel (Tzafestas (2.56b)). Point P of that wheel (real or
+**zeta**: the reference point of a car is its steered front wheel (Tzafestas (2.56b)). Point P of that wheel (real or
 virtual) moves along zeta = theta + heading + psi with its own speed v1:
 
     xp' = v1 cos(zeta),  yp' = v1 sin(zeta),  theta' = v1 k(zeta - theta),  zeta' = u2 = theta' + v2
 
-with v2 = psi' and k = sin(psi)/D for a car; (xp, yp, zeta) is a unicycle. No division by cos(psi).
+with v2 = psi' and k = sin(psi)/D for a car. (xp, yp, zeta) is a unicycle. There is no division by cos(psi).
 """
 
 from __future__ import annotations
@@ -36,10 +36,16 @@ from wmrgen.functions.models.frame import (
     steering_rates,
 )
 from wmrgen.functions.models.inputs import Eta, Motion, best_motion, eta_motion
-from wmrgen.functions.models.polynomials import angles_in, clean, domain_of, essential, quotient
-from wmrgen.functions.models.tied import meeting
+from wmrgen.functions.models.polynomials import (
+    angles_in,
+    domain_of,
+    quotient,
+    without_rounding,
+    zero_condition,
+)
+from wmrgen.functions.models.tied import where_motions_meet
 from wmrgen.functions.models.virtual import steering_frame
-from wmrgen.functions.registry import function, system, underivable
+from wmrgen.functions.registry import Reason, function, system, underivable
 from wmrgen.functions.system import Domain, System, rate_port
 from wmrgen.geometry.constraints import (
     along,
@@ -56,7 +62,7 @@ from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.ports import POSE, TWIST_NAMES, Port, Role, output
 from wmrgen.geometry.symbolic import Expr, add, expression, rotated, signal, square, subtract
 
-_COURSE = "course"  # stands for zeta - theta
+_COURSE = "course"  # the symbol of zeta - theta
 ZETA_STATE = (
     Port("xp", Role.STATE, "m", "position of the steered wheel in the world frame"),
     Port("yp", Role.STATE, "m", "position of the steered wheel in the world frame"),
@@ -71,47 +77,64 @@ ZETA_INPUTS = (
 
 @system("posture")
 def posture_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
-    """State x y theta, steering coordinates and the castors that matter; inputs as in `best_motion`."""
+    """Return the posture model: state x y theta, steering coordinates and the castors that matter.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        symbolic: Whether all parameters are symbols, or only the tunable ones.
+    """
     return system_of("posture", best_motion(robot, mobility, symbolic))
 
 
 @function("Tzafestas (2.28), (2.38), (2.46), (2.55), (2.56a); AA274")
 def posture(robot: Robot, mobility: Mobility) -> Formula:
-    """State and driven speeds to the rates of the posture."""
+    """Return the rates of the posture for a state and driven speeds."""
     return posture_system(robot, mobility).formula()
 
 
 @system("eta")
 def eta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
-    """`dynamics` as a system."""
+    """Return the model `dynamics` as a system.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        symbolic: Whether all parameters are symbols, or only the tunable ones.
+    """
     motion = eta_motion(robot, mobility, symbolic)
     lines = (s.wheels for s in mobility.singularities if s.kind == "shared_axle")
     shared = (_one_line(robot, a, b, symbolic) for a, b in lines)
-    meet = meeting(robot, motion.frame.view, motion.frame.columns)
+    meet = where_motions_meet(robot, motion.frame.view, motion.frame.columns)
     return system_of("dynamics", motion)._replace(domain=(*shared, *motion.lost, *meet))
 
 
 def _one_line(robot: Robot, first: str, second: str, symbolic: bool) -> Domain:
-    """Where both axles that choose the centre of rotation lie on one line, and the only column of N vanishes."""
+    """Return where two steered axles are on one line, so that the only column of N vanishes."""
     a, b = robot.wheel(first), robot.wheel(second)
     view = symbolic_view if symbolic else working_view
-    conditions = (square(expression(essential(towards(v, w, view)))) for v, w in ((a, b), (b, a)))
+    conditions = (square(expression(zero_condition(towards(v, w, view)))) for v, w in ((a, b), (b, a)))
     return Domain(
         add(*conditions),
-        f"the axles of `{first}` and `{second}` lie on one line, and eta1 moves nothing, though the robot can turn "
+        f"the axles of `{first}` and `{second}` are on one line, and eta1 has no effect, although the robot can turn "
         "about the points of that line (the form `twist` has these motions)",
     )
 
 
 @system("configuration")
 def configuration_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
-    """The posture model extended by castor angles and wheel angles."""
+    """Return the posture model extended by castor angles and wheel angles.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        symbolic: Whether all parameters are symbols, or only the tunable ones.
+    """
     motion = best_motion(robot, mobility, symbolic)
     castors = tuple(w for w in robot.wheels if w.kind.swivels)
+    driving_freedoms = len(motion.etas[0])
     rolling = tuple(
-        w
-        for w in robot.wheels
-        if w.has_spin and (has_coordinate(motion.frame, w) or len(motion.etas[0]) == 1)
+        w for w in robot.wheels if w.has_spin and (has_coordinate(motion.frame, w) or driving_freedoms == 1)
     )
     model = system_of("configuration", motion, castors, rolling)
     return model._replace(text=f"configuration model: {motion.text}")
@@ -119,14 +142,24 @@ def configuration_system(robot: Robot, mobility: Mobility, symbolic: bool = Fals
 
 @function("Siegwart (3.24)-(3.28), solved for the joint rates")
 def configuration(robot: Robot, mobility: Mobility) -> Formula:
-    """State and driven speeds to the rates of everything that moves."""
+    """Return the rates of everything that moves for a state and driven speeds."""
     return configuration_system(robot, mobility).formula()
 
 
 def system_of(
     name: str, motion: Motion, castors: tuple[Wheel, ...] | None = None, rolling: tuple[Wheel, ...] = ()
 ) -> System:
-    """The model of a motion: x y theta, steering coordinates, castors (None: those that matter), wheel angles."""
+    """Return the model of a motion.
+
+    Args:
+        name: The name of the model.
+        motion: The twists that its inputs cause.
+        castors: Castors whose angles are states; None for those that the motion depends on.
+        rolling: Wheels whose angles about the axle are states.
+
+    Returns:
+        The system with state x y theta, steering coordinates, castor angles, wheel angles.
+    """
     castors = motion.swivels if castors is None else castors
     state = (
         *POSE,
@@ -134,10 +167,10 @@ def system_of(
         *(Port(f"{w.name}.angle", Role.STATE, "rad", "angle rolled about the axle") for w in rolling),
     )
     shares = _shares(motion, castors, rolling)
-    fields = tuple(
-        (*in_world(triple(map(expression, twist))), *(expression(share[k]) for share in shares))
-        for k, twist in enumerate(motion.twists)
-    )
+    fields = []
+    for k, twist in enumerate(motion.twists):
+        joints = [expression(share[k]) for share in shares]
+        fields.append((*in_world(triple(map(expression, twist))), *joints))
     geometry = motion.frame.geometry
 
     def code() -> Formula:
@@ -145,13 +178,23 @@ def system_of(
         outputs = zip(map(rate_port, state), posture_rates(motion, names, castors, rolling)[0], strict=True)
         return names.formula(name, (*state, *motion.inputs, *geometry), outputs, motion.text)
 
-    return System(name, motion.text, state, motion.inputs, fields, geometry, motion.domain, code)
+    return System(name, motion.text, state, motion.inputs, tuple(fields), geometry, motion.domain, code)
 
 
 def posture_rates(
     motion: Motion, names: Locals, castors: tuple[Wheel, ...], rolling: tuple[Wheel, ...] = ()
 ) -> tuple[tuple[Expr, ...], tuple[Expr, Expr, Expr]]:
-    """The rates of `system_of` by way of the twist of P in the robot frame, and that twist, by named results."""
+    """Return the rates of `system_of`, computed from the twist of P in the robot frame.
+
+    Args:
+        motion: The twists that the inputs cause.
+        names: Takes the intermediate results.
+        castors: Castors whose angles are states.
+        rolling: Wheels whose angles about the axle are states.
+
+    Returns:
+        The rates in the order of the state, and the twist.
+    """
     twist, velocity = _twist(motion, names)
     frame, joints = motion.frame, []
     joints += [signal_poly(f"{w.name}.steer_rate") for w in frame.wheels]
@@ -166,15 +209,17 @@ def posture_rates(
 
 
 def _twist(motion: Motion, names: Locals) -> tuple[Row, tuple[Expr, Expr]]:
-    """The twist of P in the robot frame, and its velocity in the world frame."""
+    """Return the twist of P in the robot frame, and its velocity in the world frame."""
     sums = _sums(motion, names)
     twist = triple(
         names.poly(f"body_{name}", p) if p else p for name, p in zip(TWIST_NAMES, sums, strict=True)
     )
-    for w in motion.frame.wheels:  # a velocity that keeps its direction to a steered wheel turns with it
+    for (
+        w
+    ) in motion.frame.wheels:  # a velocity whose direction is fixed to a steered wheel turns with the wheel
         c, s = steer_gens(w)
         vx, vy, _ = sums
-        ahead, left = clean(vx * c + vy * s, vy * c - vx * s)
+        ahead, left = without_rounding(vx * c + vy * s, vy * c - vx * s)
         if w.name in angles_in((vx, vy)) and w.name not in angles_in((ahead, left)):
             course = add(signal("theta"), signal(f"{w.name}.steer"))
             return twist, names.turned("velocity", (expression(ahead), expression(left)), course)
@@ -182,8 +227,11 @@ def _twist(motion: Motion, names: Locals) -> tuple[Row, tuple[Expr, Expr]]:
 
 
 def _sums(motion: Motion, names: Locals) -> list[Poly]:
-    """The components of the twist. What an input is multiplied by in all of them, such as its wheel's radius, and other
-    inputs are not, is multiplied once."""
+    """Return the components of the twist.
+
+    A factor that one input has in all components, for example its wheel's radius, is multiplied once if other inputs
+    do not have it.
+    """
     powers = [common_powers(twist) for twist in motion.twists]
     moving = [own for own, twist in zip(powers, motion.twists, strict=True) if any(twist)]
     sums = [Poly({})] * 3
@@ -199,7 +247,7 @@ def _sums(motion: Motion, names: Locals) -> list[Poly]:
 
 
 def _spin(frame: Frame, w: Wheel, twist: Row) -> Poly | None:
-    """The rate about the axle under a twist; None of a wheel whose angle is no coordinate."""
+    """Return the rate about the axle under a twist; None for a wheel whose angle is no coordinate."""
     if not has_coordinate(frame, w):
         return None
     g, lead = frame.view(w), frame.leader(w)
@@ -210,26 +258,24 @@ def _spin(frame: Frame, w: Wheel, twist: Row) -> Poly | None:
 
 
 def _shares(motion: Motion, castors: tuple[Wheel, ...], rolling: tuple[Wheel, ...]) -> list[list[Poly]]:
-    """Rates of steering coordinates, castors and wheel angles per unit of each input."""
-    return [
-        *(
-            [Poly.of(int(u.name == f"{w.name}.steer_rate")) for u in motion.inputs]
-            for w in motion.frame.wheels
-        ),
-        *(_per_input(motion, castor_row(motion.frame, w)) for w in castors),
-        *(_wheel_rates(motion, w) for w in rolling),
-    ]
+    """Return the rates of steering coordinates, castors and wheel angles per unit of each input."""
+    shares = []
+    for w in motion.frame.wheels:
+        shares.append([Poly.of(int(u.name == f"{w.name}.steer_rate")) for u in motion.inputs])
+    shares += [_per_input(motion, castor_row(motion.frame, w)) for w in castors]
+    shares += [_wheel_rates(motion, w) for w in rolling]
+    return shares
 
 
 def in_world(twist: tuple[Expr, Expr, Expr]) -> tuple[Expr, Expr, Expr]:
-    """R(theta)^T xi: the twist in the world frame (Siegwart (3.1))."""
+    """Return R(theta)^T xi: the twist in the world frame (Siegwart (3.1))."""
     theta = signal("theta")
     vx, vy, omega = twist
     return *rotated(sympy.cos(theta), sympy.sin(theta), vx, vy), omega
 
 
 def _wheel_rates(motion: Motion, w: Wheel) -> list[Poly]:
-    """(rim speed - o steer_rate) / r by input; the steering of castors is part of their rim speed."""
+    """Return (rim speed - o steer_rate) / r by input; the rim speed of castors includes their steering."""
     g = motion.frame.view(w)
     rims = _per_input(motion, rim_row(motion.frame, w))
     if w.kind.steers and g.steer_arm:
@@ -238,35 +284,49 @@ def _wheel_rates(motion: Motion, w: Wheel) -> list[Poly]:
             rim - g.steer_arm * turns.get(u.name.removesuffix(".steer_rate"), ZERO)
             for rim, u in zip(rims, motion.inputs, strict=True)
         ]
-    return [clean(rim * g.rolling_radius.inverse())[0] for rim in rims]
+    return [without_rounding(rim * g.rolling_radius.inverse())[0] for rim in rims]
 
 
 def _per_input(motion: Motion, row: Eta) -> list[Poly]:
-    """row . eta for each input."""
+    """Return row . eta for each input."""
     above = (Poly.sum(p * e for p, e in zip(row, eta, strict=True)) for eta in motion.etas)
-    return [quotient(clean(p)[0], motion.divisor) for p in above]
+    return [quotient(without_rounding(p)[0], motion.divisor) for p in above]
 
 
 @system("zeta")
 def zeta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
-    """State xp yp theta zeta, inputs v1 v2. NotDerivableError unless one angle steers and one freedom drives."""
+    """Return the zeta form: state xp yp theta zeta, inputs v1 v2.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        symbolic: Whether all parameters are symbols, or only the tunable ones.
+
+    Raises:
+        NotDerivableError: Unless one angle steers and one freedom drives.
+    """
     degrees = (mobility.degree_of_mobility, mobility.degree_of_steerability)
     if degrees != (1, 1):
         raise underivable(
-            robot, "zeta form", "it needs one freedom of driving and one steering coordinate, degrees (1, 1), and the "
+            robot,
+            "zeta form",
+            "it needs one freedom of driving and one steering coordinate, degrees (1, 1), but the "
             f"robot has {degrees}.",
-        )  # fmt: skip
+            Reason.ROBOT_TYPE,
+        )
     frame = steering_frame(robot, mobility, symbolic)
     if len(frame.wheels) != 1:
-        raise underivable(robot, "zeta form", "its steering coordinate is not one wheel's angle.")
+        raise underivable(
+            robot, "zeta form", "its steering coordinate is not one wheel's angle.", Reason.ROBOT_TYPE
+        )
     wheel = frame.wheels[0]
     turn, speed = _turn(frame, wheel)
     zeta = signal("zeta")
     rate = _in_zeta(quotient(turn, speed))
     first = (sympy.cos(zeta), sympy.sin(zeta), rate, rate)
     zero, one = sympy.S.Zero, sympy.S.One
-    lost = f"the ICR lies on `{wheel.name}`: its centre stands still"
-    domain = domain_of(essential(speed), lost, robot, _in_zeta)
+    lost = f"the ICR is at `{wheel.name}`: its centre stands still"
+    domain = domain_of(zero_condition(speed), lost, robot, _in_zeta)
     text = f"zeta form (Tzafestas (2.56b)): the reference is {wheel.name}, its rolling direction is zeta"
     return System(
         "zeta", text, ZETA_STATE, ZETA_INPUTS, (first, (zero, zero, zero, one)), frame.geometry, domain
@@ -275,14 +335,14 @@ def zeta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sys
 
 @function("Tzafestas (2.56b)")
 def zeta(robot: Robot, mobility: Mobility) -> Formula:
-    """Rates of xp yp theta zeta, and u2 = zeta': with u1 = v1 the inputs of the unicycle (xp, yp, zeta)."""
+    """Return the rates of xp yp theta zeta, and u2 = zeta': (xp, yp, zeta) is a unicycle with u1 = v1 and u2."""
     formula = zeta_system(robot, mobility).formula()
     u2 = output("u2", "rad/s", "turning rate of the unicycle (xp, yp, zeta)")
     return replace(formula, outputs=(*formula.outputs, (u2, formula.outputs[3][1])))
 
 
 def _turn(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
-    """Yaw rate and speed of the wheel's pivot per unit of eta, in cosine and sine of its direction in the body."""
+    """Return yaw rate and speed of the wheel's pivot per unit of eta, in terms of its direction in the body."""
     (column,) = frame.columns
     g = frame.view(wheel)
     speed = dot(in_coordinates(frame, wheel, along(heading(wheel, g), g)), column)
@@ -292,6 +352,6 @@ def _turn(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
 
 
 def _in_zeta(poly: Poly) -> Expr:
-    """The expression with zeta - theta for the direction."""
+    """Return the expression with zeta - theta as the direction."""
     course = signal(f"{_COURSE}.steer")
     return substituted(expression(poly), {course: subtract(signal("zeta"), signal("theta"))}, {})

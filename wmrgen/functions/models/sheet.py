@@ -1,4 +1,4 @@
-"""A model on a sheet of paper: state, inputs, equations, vector fields, where it is singular."""
+"""A model on one page: state, inputs, equations, vector fields, and where it is singular."""
 
 from __future__ import annotations
 
@@ -16,40 +16,40 @@ from wmrgen.geometry.ports import Port, Role
 from wmrgen.geometry.printing import Latex, Reader, Text, Writer, exact, size
 from wmrgen.geometry.symbolic import Expr, number, signal
 
-LONGEST = 4000  # nodes of an expression that is still written out
-_ORDER = cmp_to_key(sympy.Basic.compare)  # of the terms of a sum, as sympy has it
+LONGEST = 4000  # nodes of an expression that is still written out: some pages of text
+_ORDER = cmp_to_key(sympy.Basic.compare)  # the order of the terms of a sum in sympy
 
 
 class Equation(NamedTuple):
-    """``left`` = ``right``; ``left`` is the symbol of the quantity, primed where it is a rate."""
+    """An equation ``left`` = ``right``."""
 
-    left: str
+    left: str  # name of the quantity
     right: Expr
-    rate: bool = False
+    rate: bool = False  # whether ``left`` is primed: the rate of the quantity
 
 
 class Sheet(NamedTuple):
-    """What is written down about a model. ``fields``: input name -> components in the order of the state."""
+    """The page of a model."""
 
     form: str
     text: str
     state: tuple[Port, ...]
     inputs: tuple[Port, ...]
     parameters: tuple[Port, ...]
-    where: tuple[Equation, ...]
-    equations: tuple[Equation, ...]
-    fields: tuple[tuple[str, tuple[Expr, ...]], ...]
+    where: tuple[Equation, ...]  # definitions of quantities that the equations use
+    equations: tuple[Equation, ...]  # rates of the state
+    fields: tuple[tuple[str, tuple[Expr, ...]], ...]  # input name -> components in the order of the state
     domain: tuple[Domain, ...]
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        """Everything that has a name in the contract."""
+        """Return every quantity that has a name in the contract."""
         named = (Port(e.left, Role.COMMAND, "") for e in self.where)
         return (*self.state, *self.inputs, *self.parameters, *named)
 
 
 def sheet_of(form: str, system: System) -> Sheet:
-    """A system, every expression in closed form."""
+    """Return the page of a system, with every expression in closed form."""
     equations = tuple(
         Equation(p.name, tidy(rate), True) for p, rate in zip(system.state, system.rates, strict=True)
     )
@@ -61,18 +61,25 @@ def sheet_of(form: str, system: System) -> Sheet:
 
 
 def with_lags(sheet: Sheet, lags: Mapping[str, Lag], text: str) -> Sheet:
-    """The sheet with commanded steering angles for inputs; it says which rates follow from them, and ``text`` of it."""
+    """Return the page with commanded steering angles as inputs, and the rates that follow from them.
+
+    Args:
+        sheet: The page with steering rates as inputs.
+        lags: Commands by the name of the rate that follows.
+        text: The new description of the model.
+    """
     where = tuple(Equation(name, tidy(lag.rate)) for name, lag in lags.items())
     inputs = tuple(lags[p.name].command if p.name in lags else p for p in sheet.inputs)
     return sheet._replace(inputs=inputs, where=(*sheet.where, *where), text=text)
 
 
 def tidy(expr: Expr) -> Expr:
-    """The expression with signs and numbers gathered, and sin/cos as tan. Left as it stands where it is long."""
+    """Return the expression with signs and numbers collected, and sin/cos as tan; a long one is returned unchanged."""
     return _tidied(expr, {}) if size(expr) <= LONGEST else expr
 
 
 def _tidied(expr: Expr, memo: dict[Expr, Expr]) -> Expr:
+    """Return a tidy expression; ``memo`` keeps the results of shared parts."""
     if not expr.args or isinstance(expr, sympy.Piecewise):
         return expr
     if expr not in memo:
@@ -90,14 +97,14 @@ def _tidied(expr: Expr, memo: dict[Expr, Expr]) -> Expr:
 
 
 def _sum(parts: Iterable[Expr]) -> Expr:
-    """The sum in the order that sympy gives it; its own evaluation, which loads tensors, is for like terms alone."""
+    """Return the sum in sympy's order. Only like terms need its evaluation, which loads tensors."""
     terms = [term for part in parts for term in sympy.Add.make_args(part) if term]
     alike = len({term.as_coeff_Mul()[1] for term in terms}) < len(terms)
     return sympy.Add(*terms) if alike else sympy.Add(*sorted(terms, key=_ORDER), evaluate=False)
 
 
 def _tangent(product: Expr) -> Expr:
-    """sin(a)/cos(a) as tan(a)."""
+    """Return a product with tan(a) for sin(a)/cos(a)."""
     for arg in product.args:
         if isinstance(arg, sympy.sin) and sympy.cos(arg.args[0]) ** -1 in product.args:
             rest = [a for a in product.args if a not in (arg, sympy.cos(arg.args[0]) ** -1)]
@@ -106,11 +113,12 @@ def _tangent(product: Expr) -> Expr:
 
 
 def _written(printer: Writer, expr: Expr) -> str:
-    return printer(expr) if size(expr) <= LONGEST else "(too long to write out; it stands in the code)"
+    """Return an expression as text, or a note if it is too long."""
+    return printer(expr) if size(expr) <= LONGEST else "(too long to write out; see the generated code)"
 
 
 def lines(sheet: Sheet) -> list[str]:
-    """Plain text, one equation a line; fractions too long to read as decimals."""
+    """Return the page as plain text, one equation a line; long fractions become decimals."""
     printer = Reader(Text(sheet.ports).doprint)
     rows = [f"{sheet.form}: {sheet.text}"]
     if sheet.state:
@@ -135,32 +143,35 @@ def lines(sheet: Sheet) -> list[str]:
 
 
 def singular_sets(system: System) -> tuple[str, ...]:
-    """Where a model does not hold, a condition each, and why."""
+    """Return where a model does not hold: a condition and a reason in each line."""
     ports = (*system.state, *system.inputs, *system.geometry)
     domain = (Domain(tidy(d.expression), d.text) for d in system.domain)
     return tuple(_sets(domain, Reader(Text(ports).doprint)))
 
 
 def conditions(sheet: Sheet) -> tuple[str, ...]:
-    """The same of a model that is written down."""
+    """Return where the model of a page does not hold: a condition and a reason in each line."""
     return tuple(_sets(sheet.domain, Reader(Text(sheet.ports).doprint)))
 
 
 def _sets(domain: Iterable[Domain], printer: Writer) -> list[str]:
+    """Return conditions with their reasons."""
     return [f"{_written(printer, d.expression)} = 0: {plain(d.text)}" for d in domain]
 
 
 def _with_unit(port: Port) -> str:
+    """Return the name of a port with its unit."""
     return f"{port.name} [{port.unit}]" if port.unit else port.name
 
 
 def _aligned(pairs: list[tuple[str, str]]) -> list[str]:
+    """Return equations with aligned equals signs."""
     width = max((len(left) for left, _ in pairs), default=0)
     return [f"  {left:<{width}} = {right}" for left, right in pairs]
 
 
 def data(sheet: Sheet) -> dict[str, Any]:
-    """The sheet as plain data; expressions in Python syntax over names with underscores."""
+    """Return the page as plain data, with expressions in Python syntax over names with underscores."""
 
     def shown(expr: Expr) -> str:
         return _written(exact, expr)
@@ -184,7 +195,7 @@ def data(sheet: Sheet) -> dict[str, Any]:
 
 
 def latex(sheet: Sheet) -> str:
-    """The equations as an aligned environment."""
+    """Return the equations as an aligned environment of LaTeX."""
     printer = Latex(sheet.ports, order=None)
     shown = Reader(printer.doprint)
     rows = []

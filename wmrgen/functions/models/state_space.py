@@ -15,7 +15,7 @@ from wmrgen.functions.models.limits import NO_BOUND, Bound, Limited, limited
 from wmrgen.functions.models.sheet import singular_sets
 from wmrgen.functions.models.twist import sliding, where_it_slides
 from wmrgen.functions.registry import system_builder
-from wmrgen.functions.system import Lag, System, of_commands
+from wmrgen.functions.system import Lag, System, with_commands
 from wmrgen.geometry.exact.number import ZERO
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.layout.skid import parallel
@@ -25,30 +25,32 @@ from wmrgen.geometry.symbolic import Expr, number, over, signal, subtract
 
 
 class StateSpace(NamedTuple):
-    """``rates``: ``state``, ``inputs`` and parameters (``geometry``) to the rates of the state, in this order;
-    ``constraints``: the same to what has to be 0, None where nothing has to; ``limited``: what the robot file limits;
-    ``text``: which model it is; ``singular``: where it does not hold; ``at_once``: wheels whose `lag` it leaves out."""
+    """A model as a state space."""
 
     form: str
-    text: str
-    singular: tuple[str, ...]
+    text: str  # which model it is
+    singular: tuple[str, ...]  # where it does not hold, a sentence each
     state: tuple[Port, ...]
     inputs: tuple[Port, ...]
-    geometry: tuple[Port, ...]
-    rates: Formula
+    geometry: tuple[Port, ...]  # parameters p
+    rates: Formula  # state, inputs and parameters to the rates of the state, in the order of ``state``
+    # the same arguments to residuals that must be 0; None if the model has no constraint
     constraints: Formula | None
-    limited: Limited
-    at_once: tuple[str, ...]
+    limited: Limited  # bounds from the robot file
+    at_once: tuple[str, ...]  # wheels whose `lag` the model leaves out
 
     @property
     def limits(self) -> tuple[Port, ...]:
-        """What is limited and is neither state nor input."""
+        """Return the limited quantities that are neither state nor input."""
         return tuple(p for p, _ in self.limited.formula.outputs) if self.limited.formula else ()
 
 
 def default_form(robot: Robot, mobility: Mobility) -> str:
-    """Twist inputs, which are regular in every motion, where two axles or more steer, castors are driven or parallel
-    wheels slide whatever the robot does; else driven speeds: `trailer` for a robot with trailers, or `posture`."""
+    """Return the form of the model that fits the robot.
+
+    It is ``twist``, which is regular in every motion, if two axles or more steer, if castors are driven, or if
+    parallel wheels slide in every motion. Otherwise it is ``trailer`` for a robot with trailers, else ``posture``.
+    """
     castors = any(w.kind.swivels and w.actuated for w in robot.wheels)
     several = mobility.degree_of_steerability > 1 or mobility.degenerate or castors
     if several and parallel([w.zero_heading for w in robot.wheels if w.kind.fixed_axle]):
@@ -57,19 +59,25 @@ def default_form(robot: Robot, mobility: Mobility) -> str:
 
 
 def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> StateSpace:
-    """A model as a state space, of `default_form` unless told otherwise."""
+    """Return a model as a state space.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        form: The form of the model; None for `default_form`.
+    """
     form = form or default_form(robot, mobility)
     robot, mobility = driving(robot, mobility)
     system = system_builder(form)(robot, mobility, False)
     following = lags(robot, system)
     inputs = tuple(following[u.name].command if u.name in following else u for u in system.inputs)
     rolling = sliding(robot, mobility) if form == "twist" else None
-    limits, at_once = limited(robot, mobility, form, system, following), _at_once(robot, following)
-    text = of_commands(system.text, following)
+    limits, at_once = limited(robot, mobility, form, system, following), _without_lag(robot, following)
+    text = with_commands(system.text, following)
     text += f"; it leaves out the lag of {listed(at_once)}" if at_once else ""
-    text += "; trailers are in the form trailer alone" if robot.trailers and form != "trailer" else ""
+    text += "; only the form trailer has the trailers" if robot.trailers and form != "trailer" else ""
     never = [name for name, (low, high) in limits.bounds.items() if low > high]
-    text += f"; no {listed(never)} keeps the limits of all wheels that follow" if never else ""
+    text += f"; no value of {listed(never)} satisfies the limits of all wheels that follow" if never else ""
     return StateSpace(
         form,
         text,
@@ -84,11 +92,13 @@ def state_space(robot: Robot, mobility: Mobility, form: str | None = None) -> St
     )
 
 
-def _at_once(robot: Robot, following: Mapping[str, Lag]) -> tuple[str, ...]:
-    """Wheels that lag more than what they follow in a model, and driven castors whose angle it does not have."""
+def _without_lag(robot: Robot, following: Mapping[str, Lag]) -> tuple[str, ...]:
+    """Return wheels whose lag the model leaves out: they follow faster in the model than in the robot file."""
     slow = max((lag.constant for lag in following.values()), default=ZERO)
     names = []
-    for w in (w for w in robot.wheels if "steer" in w.actuated):
+    for w in robot.wheels:
+        if "steer" not in w.actuated:
+            continue
         lead = robot.wheels[robot.steer_group[w.index]].name
         free = w.kind.swivels and f"{lead}.steer_rate" not in following
         if (robot.lag_of(w, "steer") or ZERO) > (ZERO if free else slow):
@@ -97,8 +107,10 @@ def _at_once(robot: Robot, following: Mapping[str, Lag]) -> tuple[str, ...]:
 
 
 def lags(robot: Robot, system: System) -> dict[str, Lag]:
-    """Steering rate that a model has for an input -> what decides it where the robot file says `lag`: the rate is
-    (command - steer)/lag. Wheels that turn together have the longest lag of theirs."""
+    """Return the lag of each steering rate that a model has as an input, if the robot file has a `lag`.
+
+    The rate is then (command - steer)/lag. Wheels that turn together have their longest lag.
+    """
     states, following = {port.name for port in system.state}, {}
     for port in system.inputs:
         name, _, joint = port.name.rpartition(".")
@@ -106,7 +118,7 @@ def lags(robot: Robot, system: System) -> dict[str, Lag]:
         wheels = [w for w in robot.wheels if robot.wheels[robot.steer_group[w.index]].name in members]
         constants = [time for w in wheels if (time := robot.lag_of(w, "steer")) is not None]
         if joint == "steer_rate" and f"{name}.steer" in states and constants:
-            text = f"steering angle that {name} is to have, counter-clockwise from the zero of the robot file"
+            text = f"wanted steering angle of {name}, counter-clockwise from the zero of the robot file"
             command = Port(f"{name}.steer_command", Role.COMMAND, "rad", text)
             rate = over(subtract(signal(command.name), signal(f"{name}.steer")), number(max(constants)))
             following[port.name] = Lag(command, rate, max(constants))
@@ -114,7 +126,7 @@ def lags(robot: Robot, system: System) -> dict[str, Lag]:
 
 
 def _commanded(formula: Formula, following: Mapping[str, Lag]) -> Formula:
-    """``formula`` with commands of steering angles in place of the rates that follow from them."""
+    """Return ``formula`` with commands of steering angles in place of the rates that follow from them."""
     values: dict[Expr, Expr] = {signal(name): lag.rate for name, lag in following.items()}
     memo: dict[Expr, Expr] = {}
     return replace(
@@ -126,7 +138,7 @@ def _commanded(formula: Formula, following: Mapping[str, Lag]) -> Formula:
 
 
 def default_state_space(robot: Robot, mobility: Mobility) -> StateSpace | None:
-    """As `state_space`; None where the robot has no model of motion."""
+    """Return the state space in the default form; None if the robot has no model of motion."""
     try:
         return state_space(robot, mobility)
     except NotDerivableError:
@@ -134,7 +146,7 @@ def default_state_space(robot: Robot, mobility: Mobility) -> StateSpace | None:
 
 
 def forms(robot: Robot, mobility: Mobility) -> dict[str, System]:
-    """The forms of the model that a robot has, parameters as symbols; the one with trailers if there are some."""
+    """Return the forms of the model that a robot has, with parameters as symbols."""
     systems = {}
     for form in ("posture", "twist", "eta", *(["trailer"] if robot.trailers else [])):
         try:
@@ -145,12 +157,12 @@ def forms(robot: Robot, mobility: Mobility) -> dict[str, System]:
 
 
 def rolls_alone(form: str, mobility: Mobility) -> bool:
-    """Whether a form leaves out the sliding of a robot that rolls in one motion and slides in all others."""
+    """Return whether a form leaves out the sliding of a robot that rolls in one motion and slides in all others."""
     return mobility.degenerate and form != "twist"
 
 
 def regularity(robot: Robot, mobility: Mobility) -> dict[str, tuple[str, ...]]:
-    """Forms of the model that a robot has, and where they are singular: nothing of one that holds in every motion."""
+    """Return where each form of the model is singular; an empty tuple for a form that holds in every motion."""
     acting = driving(robot, mobility)[1]
     return {
         form: singular_sets(system) + ((where_it_slides(acting),) if rolls_alone(form, acting) else ())
@@ -159,7 +171,7 @@ def regularity(robot: Robot, mobility: Mobility) -> dict[str, tuple[str, ...]]:
 
 
 def data(space: StateSpace) -> dict[str, Any]:
-    """For model.json; null is no bound."""
+    """Return the state space as data for model.json; null means no bound."""
     return {
         "form": space.form,
         "text": space.text,
@@ -181,7 +193,7 @@ def data(space: StateSpace) -> dict[str, Any]:
 
 
 def limit_lines(space: StateSpace) -> list[str]:
-    """Of each limit of the robot file a line: its bounds, and where they stand if not in x and u."""
+    """Return a line for each limit: its bounds, and where to find it if it is not in x and u."""
     lines = []
     for port in (*space.state, *space.inputs, *space.limits):
         (low, high), change = space.limited.bounds[port.name], space.limited.changes.get(port.name)
@@ -193,6 +205,7 @@ def limit_lines(space: StateSpace) -> list[str]:
 
 
 def _entries(space: StateSpace, ports: Iterable[Port]) -> Iterable[dict[str, Any]]:
+    """Yield name, unit and bounds of each entry."""
     for port in ports:
         low, high = _nullable(space.limited.bounds[port.name])
         change = space.limited.changes.get(port.name)
@@ -201,4 +214,5 @@ def _entries(space: StateSpace, ports: Iterable[Port]) -> Iterable[dict[str, Any
 
 
 def _nullable(bound: Bound) -> Iterable[float | None]:
+    """Return a bound with None for infinity."""
     return (None if abs(v) == inf else v for v in bound)

@@ -1,7 +1,7 @@
 """Parallel wheels that one motor steers: either their axles are one line, or the robot goes straight.
 
-The two kinds of motion meet where a robot goes straight with those axles on one line. Wheels that stand on no line, as
-those of a synchro drive, go straight in every motion.
+The two kinds of motion meet where a robot goes straight with those axles on one line. If the axles can never be one
+line, as in a synchro drive, the robot goes straight in every motion.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from wmrgen.analysis.mobility.admissible import along
 from wmrgen.analysis.mobility.analyse import towards
 from wmrgen.analysis.mobility.basis import led
 from wmrgen.analysis.mobility.ranks import numeric_rank
-from wmrgen.functions.models.polynomials import NEGLIGIBLE, essential
+from wmrgen.functions.models.polynomials import NEGLIGIBLE, zero_condition
 from wmrgen.functions.system import Domain
 from wmrgen.geometry.constraints import View
 from wmrgen.geometry.exact.poly import Row
@@ -25,8 +25,8 @@ from wmrgen.geometry.notation import in_code
 from wmrgen.geometry.symbolic import add, expression, signal, square
 
 
-def tied(robot: Robot) -> list[list[Wheel]]:
-    """Steered wheels in sets that turn together and are parallel, of those that stand in one place one."""
+def parallel_groups(robot: Robot) -> list[list[Wheel]]:
+    """Return groups of parallel steered wheels that turn together; from wheels at one place, only the first."""
     sets: list[list[Wheel]] = []
     for w in (w for w in robot.wheels if w.kind.steers):
         for members in sets:
@@ -42,9 +42,11 @@ def tied(robot: Robot) -> list[list[Wheel]]:
 
 
 def only_straight(robot: Robot) -> bool:
-    """Whether such wheels leave no motion that turns the robot: their axles can be no lines that meet in one point of
-    the axle line of the fixed wheels."""
-    sets = _apart(robot)
+    """Return whether such groups prevent every motion that turns the robot.
+
+    This is so if their axles cannot be lines that meet in one point of the axle line of the fixed wheels.
+    """
+    sets = _groups_apart(robot)
     lines = [(first, second.pivot - first.pivot) for first, second, *_ in sets]
     for members, (first, line) in zip(sets, lines, strict=True):
         if any(abs(((w.pivot - first.pivot) / line).imag) > NEGLIGIBLE for w in members):
@@ -55,10 +57,19 @@ def only_straight(robot: Robot) -> bool:
     return bool(sets) and numeric_rank(every)[0] > numeric_rank(every * [1, 1, 0])[0]
 
 
-def meeting(robot: Robot, view: View, columns: Sequence[Row] | None = None) -> tuple[Domain, ...]:
-    """Where the two kinds of motion meet. A model in twist inputs has both, one in coordinates of the null space
-    ``columns`` has one of them alone."""
-    sets = _apart(robot)
+def where_motions_meet(robot: Robot, view: View, columns: Sequence[Row] | None = None) -> tuple[Domain, ...]:
+    """Return where the two kinds of motion meet.
+
+    Args:
+        robot: The robot.
+        view: Which parameters are symbols.
+        columns: Null space of a model that has only one kind of motion; None for a model in twist inputs, which has
+            both.
+
+    Returns:
+        One domain, or none if the robot has no such groups.
+    """
+    sets = _groups_apart(robot)
     if not sets or only_straight(robot):
         return ()
     who, omega = f"{in_code(w.name for m in sets for w in m)}, which turn together", signal("omega")
@@ -66,20 +77,20 @@ def meeting(robot: Robot, view: View, columns: Sequence[Row] | None = None) -> t
     if columns is None:
         if len(sets) > 1:
             lines = len(sets) + any(w.kind.fixed_axle for w in robot.wheels)
-            everywhere = lines > 2  # where it turns, three lines meet in one point: one too many
+            everywhere = lines > 2  # to turn, three lines would have to meet in one point
             when = "moves" if everywhere else "goes straight"
-            text = f"the robot {when}: the constraints of {who}, follow from one another"
+            text = f"the robot {when}: the constraints of {who}, are dependent"
             return (Domain(sympy.S.Zero if everywhere else omega, text),)
-        text = f"the robot goes straight with {who}, on one line: their constraints follow from one another"
+        text = f"the robot goes straight with {who}, on one line: their constraints are dependent"
         return (Domain(add(square(omega), square(expression(gap))), text),)
     if len(sets) > 1 or len(columns) > 1:
         return ()
-    text = f"the axles of {who}, are one line: there the robot can turn about points of it, too"
+    text = f"the axles of {who}, are on one line: there the robot can also turn about the points of the line"
     if columns[0][2]:
-        gap, text = columns[0][2], f"the robot goes straight: {who}, let it do so at any angle"
-    return (Domain(expression(essential(gap)), f"{text} (the form `twist` has these motions)"),)
+        gap, text = columns[0][2], f"the robot goes straight: {who}, allow this at any angle"
+    return (Domain(expression(zero_condition(gap)), f"{text} (the form `twist` has these motions)"),)
 
 
-def _apart(robot: Robot) -> list[list[Wheel]]:
-    """Sets of two places or more."""
-    return [members for members in tied(robot) if len(members) > 1]
+def _groups_apart(robot: Robot) -> list[list[Wheel]]:
+    """Return the groups whose wheels are at two places or more."""
+    return [members for members in parallel_groups(robot) if len(members) > 1]

@@ -1,11 +1,11 @@
 """The model in twist inputs: how a controller commands a robot, regular in every motion.
 
-Robots that steer two axles or more have no chart of steering coordinates that covers turning on the spot and driving
-sideways alike. Here the angles of the modules are states, their rates and the twist are inputs, and rolling is a
-constraint g(x, u) = 0: that no steered wheel slides. The angles of driven castors are states, too. Their rates follow
-from the twist, d steer' = -(sliding row) . xi, which no angle makes singular; wheel speeds and steering rates are
-limits h(x, u). Where fixed wheels leave a sideways velocity, it follows from the others; where they leave none that
-people drive with (skid-steer), it is the one of least sliding.
+Robots that steer two axles or more have no steering coordinates that cover both turning on the spot and driving
+sideways. Here the angles of the modules are states, their rates and the twist are inputs, and rolling is a constraint
+g(x, u) = 0: no steered wheel slides. The angles of driven castors are also states. Their rates follow from the twist,
+d steer' = -(sliding row) . xi, which no angle makes singular. Wheel speeds and steering rates are limits h(x, u). If
+fixed wheels allow only some sideways velocity, it follows from the other components. If they allow no useful motion
+(skid-steer), the sideways velocity is that of least sliding.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, para
 from wmrgen.analysis.mobility.basis import led
 from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.posture import in_world
-from wmrgen.functions.models.tied import meeting, only_straight, tied
-from wmrgen.functions.registry import system, underivable
+from wmrgen.functions.models.tied import only_straight, parallel_groups, where_motions_meet
+from wmrgen.functions.registry import Reason, system, underivable
 from wmrgen.functions.system import System, rate_port
 from wmrgen.geometry.constraints import View, heading, sliding_row, symbolic_view, working_view
 from wmrgen.geometry.exact.poly import triple
@@ -33,10 +33,21 @@ Column = tuple[Expr, Expr, Expr]
 
 @system("twist")
 def twist_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
-    """State x y theta and the angles of steered wheels and driven castors; inputs the components of the twist that
-    fixed wheels leave, and steering rates. NotDerivableError where fixed wheels point in different directions."""
+    """Return the model in twist inputs.
+
+    Its state is x y theta and the angles of steered wheels and driven castors. Its inputs are the components of the
+    twist that fixed wheels leave free, and steering rates.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        symbolic: Whether all parameters are symbols, or only the tunable ones.
+
+    Raises:
+        NotDerivableError: If fixed wheels point in different directions.
+    """
     view = symbolic_view if symbolic else working_view
-    inputs, columns = _free(robot, mobility, view)
+    inputs, columns = _free_components(robot, mobility, view)
     steered, castors = _steered(robot), _driven_castors(robot)
     still = (sympy.S.Zero,) * len(steered)
     turns = (
@@ -47,7 +58,7 @@ def twist_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sy
     state = (*POSE, *(joint_port(w, "steer", Role.STATE) for w in (*steered, *castors)))
     rates = tuple(joint_port(w, "steer_rate", Role.COMMAND) for w in steered)
     geometry = parameter_ports(robot) if symbolic else tunable_ports(robot)
-    text = f"model in twist inputs{_condition(robot, mobility)}"
+    text = f"model in twist inputs{_validity(robot, mobility)}"
 
     def code() -> Formula:
         names = Locals()
@@ -65,13 +76,13 @@ def twist_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sy
         (*inputs, *rates),
         (*((*in_world(c), *still, *swing) for c, swing in zip(columns, swings, strict=True)), *turns),
         geometry,
-        meeting(robot, view),
+        where_motions_meet(robot, view),
         code,
     )
 
 
 def _named_twist(inputs: Sequence[Port], columns: Sequence[Column], names: Locals) -> Column:
-    """The twist of P, robot frame: inputs themselves, or by name what follows from them."""
+    """Return the twist of P, robot frame: inputs themselves, or intermediate results for dependent components."""
     sums = (
         add(*(times(column[i], signal(u.name)) for column, u in zip(columns, inputs, strict=True)))
         for i in range(3)
@@ -82,8 +93,10 @@ def _named_twist(inputs: Sequence[Port], columns: Sequence[Column], names: Local
 
 
 def _swing(robot: Robot, w: Wheel, view: View, twist: Column) -> Expr:
-    """d times the steering rate at which the contact of a castor does not slide: -(sliding row) . xi, the velocity of
-    the point at d of its pivot along its axle (Siegwart (3.18)). No angle makes it singular."""
+    """Return d times the steering rate at which the contact of a castor does not slide: -(sliding row) . xi.
+
+    This is the velocity of the point at d from its pivot along its axle (Siegwart (3.18)). No angle makes it singular.
+    """
     g, (vx, vy, omega) = view(w), twist
     (c, s), (x, y) = (expression(led(robot, p)) for p in heading(w, g)), (expression(g.x), expression(g.y))
     ahead, left = subtract(vx, times(y, omega)), add(vy, times(x, omega))
@@ -91,14 +104,17 @@ def _swing(robot: Robot, w: Wheel, view: View, twist: Column) -> Expr:
 
 
 def sliding(robot: Robot, mobility: Mobility) -> Formula | None:
-    """g(x, u): by how much wheels slide [m/s] (Siegwart (3.16)) under state and inputs of `twist_system`; None where
-    none can. Of steered wheels that turn together as many as say all, see `tied`: one and the yaw rate, or two. Of
-    driven castors that swing together all but the first, whose rate is that of all."""
-    sets, straight = tied(robot), only_straight(robot)
+    """Return g(x, u), the sliding speeds of wheels [m/s] (Siegwart (3.16)); None if no wheel can slide.
+
+    Steered wheels that turn together need only as many constraints as determine all, see `parallel_groups`: one wheel
+    and the yaw rate, or two wheels. Driven castors that swing together need one for all but the first, whose rate they
+    share.
+    """
+    sets, straight = parallel_groups(robot), only_straight(robot)
     swinging = [members for members in robot.together("steer", _swiveling(robot)) if len(members) > 1]
     if not sets and not swinging:
         return None
-    system, (inputs, columns) = twist_system(robot, mobility), _free(robot, mobility, working_view)
+    system, (inputs, columns) = twist_system(robot, mobility), _free_components(robot, mobility, working_view)
     names = Locals()
     twist = _named_twist(inputs, columns, names)
     outputs = []
@@ -113,63 +129,69 @@ def sliding(robot: Robot, mobility: Mobility) -> Formula | None:
     if sets and straight:
         outputs.append((TWIST[2], signal(TWIST[2].name)))
     ports = (*system.state, *system.inputs, *system.geometry)
-    return names.formula("sliding", ports, outputs, "velocity at which each wheel slides, 0 where it rolls")
+    return names.formula("sliding", ports, outputs, "sliding speed of each wheel, 0 if it rolls")
 
 
 def _slide_port(w: Wheel) -> Port:
+    """Return the output for the sliding speed of a wheel."""
     return output(f"{w.name}.slide", "m/s", "velocity of the contact along the axle")
 
 
 def goes_straight(mobility: Mobility) -> bool:
-    """Whether no motion without sliding turns the robot."""
+    """Return whether every motion without sliding keeps the heading."""
     return not any(column[2] for column in mobility.scaled_symbolic)
 
 
 def where_it_slides(mobility: Mobility) -> str:
-    """Where a form does not hold that leaves out sliding."""
+    """Return a sentence on the motions that a form without sliding does not cover."""
     return f"wheels slide, as they do in every {'curve' if goes_straight(mobility) else 'motion but one'}"
 
 
 def _steered(robot: Robot) -> list[Wheel]:
-    """The first of each set of steered wheels that turn together."""
+    """Return the first wheel of each group of steered wheels that turn together."""
     return [w for w in robot.wheels if w.kind.steers and robot.steer_group[w.index] == w.index]
 
 
 def _swing_rate(robot: Robot, w: Wheel, view: View, twist: Column) -> Expr:
-    """The steering rate of a castor [rad/s]."""
+    """Return the steering rate of a castor [rad/s]."""
     return over(_swing(robot, w, view, twist), expression(view(w).d))
 
 
 def _swiveling(robot: Robot) -> list[Wheel]:
-    """Castors of sets that swing together, one of which at least is driven: their speeds depend on their angles."""
+    """Return castors of groups that swing together and have a driven member: their speeds depend on their angles."""
     groups = {robot.steer_group[w.index] for w in robot.wheels if w.kind.swivels and w.actuated}
     return [w for w in robot.wheels if robot.steer_group[w.index] in groups]
 
 
 def _driven_castors(robot: Robot) -> list[Wheel]:
-    """The first of each such set."""
+    """Return the first castor of each group that swings together and has a driven member."""
     return [members[0] for members in robot.together("steer", _swiveling(robot))]
 
 
-def _condition(robot: Robot, mobility: Mobility) -> str:
+def _validity(robot: Robot, mobility: Mobility) -> str:
+    """Return the end of the model's description: under which condition it holds."""
     text = "; it holds where no steered wheel slides" if _steered(robot) else ""
     if mobility.degenerate and mobility.rank_C1f.value < 2:  # wheels whose spins are coupled
         text += f"; {where_it_slides(mobility)}"
     if mobility.rank_C1f.value > 1:
-        text += "; its fixed wheels slide where it turns, and the sideways velocity is that of least sliding"
+        text += "; its fixed wheels slide when it turns, and the sideways velocity is that of least sliding"
         if not any(no_track(robot.wheels)):
-            text += "; effective_track in the robot file would say which wheel speeds turn it so"
+            text += "; effective_track in the robot file would give the wheel speeds of a turn"
     return text
 
 
-def _free(robot: Robot, mobility: Mobility, view: View) -> tuple[tuple[Port, ...], tuple[Column, ...]]:
-    """The components of the twist that are inputs, and the twist that each makes."""
+def _free_components(
+    robot: Robot, mobility: Mobility, view: View
+) -> tuple[tuple[Port, ...], tuple[Column, ...]]:
+    """Return the components of the twist that are inputs, and the twist that each of them causes."""
     wheels = [w for w in robot.wheels if w.kind.fixed_axle]
     units = [tuple(sympy.Integer(int(i == k)) for i in range(3)) for k in range(3)]
     if not wheels:
         return TWIST, tuple((x, y, turn) for x, y, turn in units)
     if not parallel([w.zero_heading for w in wheels]):
-        raise underivable(robot, "model in twist inputs", "its fixed wheels point in different directions")
+        raise underivable(
+            robot, "model in twist inputs", "its fixed wheels point in different directions", Reason.AXLES
+        )
     heading = wheels[0].zero_heading
     dependent = 1 if abs(heading.real) > abs(heading.imag) else 0
     rows = [[expression(p) for p in sliding_row(w, view(w)).row] for w in wheels]

@@ -1,8 +1,8 @@
 """Vector fields as exact polynomials, and their Lie brackets (Siegwart 3.4.1; Tzafestas 2.2.3).
 
-Generators are states, parameters, and sines and cosines of sums of states; tan is sin/cos. [f, g] = (dg/dq) f -
-(df/dq) g is formed in symbols. Its values at a rational point of the state space, where every angle is a rational point
-of the unit circle, are without rounding.
+Generators are states, parameters, and sines and cosines of sums of states; tan is sin/cos. The bracket [f, g] =
+(dg/dq) f - (df/dq) g is formed in symbols. Its values are taken at a rational point of the state space, where every
+angle is a rational point of the unit circle, so they have no rounding error.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Field = tuple[Poly, ...]
 
 
 def to_poly(expr: Expr) -> Poly:
-    """A field component as a polynomial. Inputs and locals keep their printed name (`front_steer`)."""
+    """Return a field component as a polynomial. Inputs and locals keep their printed name (`front_steer`)."""
     match expr:
         case sympy.Rational():
             return Poly.of(Fraction(int(expr.p), int(expr.q)))
@@ -54,6 +54,7 @@ def to_poly(expr: Expr) -> Poly:
 
 
 def _power(expr: Expr) -> Poly:
+    """Return a power or a square root as a polynomial."""
     base, exponent = to_poly(expr.base), expr.exp
     if exponent.is_Integer:
         return base ** int(exponent)
@@ -63,7 +64,7 @@ def _power(expr: Expr) -> Poly:
 
 
 def _circle(angle: Expr) -> tuple[Poly, Poly]:
-    """Cosine and sine of a sum of states, its first coefficient positive."""
+    """Return cosine and sine of a sum of states whose first coefficient is made positive."""
     poly = to_poly(angle)
     if poly and poly.ordered[0][1].sign < 0:
         return Poly.gen("cosf", "", -poly), -Poly.gen("sinf", "", -poly)
@@ -71,12 +72,13 @@ def _circle(angle: Expr) -> tuple[Poly, Poly]:
 
 
 def by_state(poly: Poly, state: str) -> Poly:
-    """d poly / d state."""
+    """Return d poly / d state."""
     name = state.replace(".", "_")
     return derivative(poly, lambda g: _of_generator(g, name))
 
 
 def _of_generator(g: Gen, name: str) -> Poly:
+    """Return the derivative of a generator by a state."""
     if g.kind == "input":
         return Poly.of(int(g.name == name))
     if not g.args:
@@ -97,7 +99,7 @@ def _of_generator(g: Gen, name: str) -> Poly:
 
 
 def generic_point(state: tuple[Port, ...], seed: int) -> dict[str, Exact]:
-    """State -> a number, and for an angle the tangent of its half. Printed names, see `to_poly`."""
+    """Return a number for each state; for an angle, the tangent of its half. Names are printed names, see `to_poly`."""
     return {
         p.name.replace(".", "_"): Exact(Fraction((-1) ** k * (2 * k + 1 + seed), 7 + 3 * k + 2 * seed))
         for k, p in enumerate(state)
@@ -105,7 +107,16 @@ def generic_point(state: tuple[Port, ...], seed: int) -> dict[str, Exact]:
 
 
 def at_point(poly: Poly, point: Mapping[str, Exact], numbers: Mapping[str, Exact]) -> Poly:
-    """``poly`` with states at ``point`` and parameters at ``numbers`` put in: a number wherever the field has it."""
+    """Return a polynomial with the values of states and parameters inserted.
+
+    Args:
+        poly: The polynomial.
+        point: Values of the states; for an angle, the tangent of its half.
+        numbers: Values of the parameters.
+
+    Returns:
+        A polynomial: a number if the exact field contains the value.
+    """
 
     def value(g: Gen) -> Poly | None:
         match g.kind:
@@ -126,12 +137,21 @@ def at_point(poly: Poly, point: Mapping[str, Exact], numbers: Mapping[str, Exact
 
 
 def value_at(poly: Poly, point: Mapping[str, Exact], numbers: Mapping[str, Exact]) -> Exact:
-    """The value there. What the field does not hold is rounded, see `exact.evaluate`."""
+    """Return the value of a polynomial at a point.
+
+    Args:
+        poly: The polynomial.
+        point: Values of the states; for an angle, the tangent of its half.
+        numbers: Values of the parameters.
+
+    Returns:
+        The exact value; rounded if the field does not contain it, see `exact.evaluate`.
+    """
     return number(at_point(poly, point, numbers), {name: Poly.of(n) for name, n in numbers.items()})
 
 
 def _on_circle(angle: Poly, point: Mapping[str, Exact]) -> CosSin | None:
-    """(cos, sin) of a whole-numbered sum of states; None for an angle of parameters."""
+    """Return (cos, sin) of a whole-numbered sum of states; None for an angle of parameters."""
     total: CosSin = Poly.of(1), Poly({})
     for monomial, count in angle.terms.items():
         ((g, e),) = monomial
@@ -143,20 +163,20 @@ def _on_circle(angle: Poly, point: Mapping[str, Exact]) -> CosSin | None:
 
 
 class Slopes:
-    """Derivatives by the states; those of generators are formed once."""
+    """Derivatives by the states. Each derivative of a generator is computed once."""
 
     def __init__(self, state: tuple[str, ...]) -> None:
         self.states = tuple(q.replace(".", "_") for q in state)
         self.rates: dict[Gen, tuple[Poly, ...]] = {}
 
     def of_generator(self, g: Gen) -> tuple[Poly, ...]:
-        """dg / dq_k"""
+        """Return dg / dq_k for each state."""
         if g not in self.rates:
             self.rates[g] = tuple(_of_generator(g, q) for q in self.states)
         return self.rates[g]
 
     def jacobian(self, f: Field) -> tuple[Field, ...]:
-        """df_i / dq_k, a row for each component."""
+        """Return df_i / dq_k, a row for each component."""
 
         def by(p: Poly, k: int) -> Poly:
             return derivative(p, lambda g: self.of_generator(g)[k])
@@ -164,15 +184,27 @@ class Slopes:
         return tuple(tuple(by(p, k) for k in range(len(self.states))) for p in f)
 
     def products(self, f: Field) -> int:
-        """How many products of terms the Jacobian takes."""
-        return sum(len(rate.terms) for p in f for m in p.terms for g, _ in m for rate in self.of_generator(g))
+        """Return how many products of terms the Jacobian takes."""
+        count = 0
+        for monomial in (m for p in f for m in p.terms):
+            for g, _ in monomial:
+                count += sum(len(rate.terms) for rate in self.of_generator(g))
+        return count
 
 
 def bracket_by(f: Field, df: tuple[Field, ...], g: Field, dg: tuple[Field, ...]) -> Field:
-    """[f, g] = (dg/dq) f - (df/dq) g, by the Jacobians."""
-    return tuple(
-        Poly.sum(
-            part for a, p, b, q in zip(dgi, f, dfi, g, strict=True) for part in (a * p, -(b * q)) if part
-        )
-        for dgi, dfi in zip(dg, df, strict=True)
-    )
+    """Return the Lie bracket [f, g] = (dg/dq) f - (df/dq) g.
+
+    Args:
+        f: A vector field.
+        df: The Jacobian of f, row by row.
+        g: A vector field.
+        dg: The Jacobian of g, row by row.
+    """
+    components = []
+    for dg_row, df_row in zip(dg, df, strict=True):
+        parts = []
+        for dg_k, f_k, df_k, g_k in zip(dg_row, f, df_row, g, strict=True):
+            parts += [part for part in (dg_k * f_k, -(df_k * g_k)) if part]
+        components.append(Poly.sum(parts))
+    return tuple(components)

@@ -1,7 +1,8 @@
-"""Virtual wheels: one angle or one speed that stands for several wheels (Tzafestas fig. 2.9, Siegwart 3.3.2).
+"""Virtual wheels: one angle or one speed that represents several wheels (Tzafestas fig. 2.9, Siegwart 3.3.2).
 
-The angle psi of a virtual centre wheel decides where the ICR lies; the real wheels point square to it, which is
-the Ackermann condition. A virtual drive is the speed of a point of the axle: what a differential gear shares out.
+The angle psi of a virtual centre wheel determines where the ICR is. The axles of the real wheels point to the ICR,
+which is the Ackermann condition. A virtual drive is the speed of a point of the axle: the speed that a differential
+gear distributes.
 """
 
 from __future__ import annotations
@@ -16,20 +17,19 @@ from wmrgen.analysis.mobility.analyse import fixed
 from wmrgen.analysis.mobility.configure import pivot_velocity
 from wmrgen.analysis.mobility.ranks import generic, nominal_at, numeric_rank, straight, unit_rows
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.frame import Frame, constant_rows, frame, steering_direction
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, UnderivableError, function, underivable
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.exact.poly import Poly, has_angles
 from wmrgen.geometry.layout.records import Geometry, Robot, T, Virtual, Wheel
 from wmrgen.geometry.ports import Role
 from wmrgen.geometry.symbolic import angle_of, expression
 
-_SMALL = 1e-9
+_SMALL = 1e-9  # m, or relative: a smaller distance or cross product is treated as 0
 
 
 def as_wheel(robot: Robot, virtual: Virtual) -> Wheel:
-    """The virtual wheel as a wheel at its place, parallel to the first that it stands for and as limited, radius 1."""
+    """Return the virtual wheel as a wheel at its place, parallel to its first wheel, with its limits and radius 1."""
     lead = robot.wheel(virtual.wheels[0])
 
     def at(view: str, one: T, zero: T) -> Geometry[T]:
@@ -47,24 +47,30 @@ def as_wheel(robot: Robot, virtual: Virtual) -> Wheel:
 
 
 def steering(robot: Robot) -> tuple[Virtual, ...]:
-    """The virtual wheels that steer."""
+    """Return the virtual wheels that steer."""
     return tuple(v for v in robot.virtual if v.role == "steers")
 
 
 def driving(robot: Robot) -> tuple[Virtual, ...]:
-    """The virtual wheels that drive."""
+    """Return the virtual wheels that drive."""
     return tuple(v for v in robot.virtual if v.role == "drives")
 
 
 def steering_frame(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Frame:
-    """Null space in the robot's steering coordinates: virtual wheels where the file has them."""
+    """Return the null space in the robot's steering coordinates: virtual wheels if the file has them.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        symbolic: Whether all parameters are symbols, or only the tunable ones.
+    """
     check_virtual(robot, mobility)
     wheels = tuple(as_wheel(robot, v) for v in steering(robot))
     return frame(robot, mobility, symbolic, wheels[: mobility.degree_of_steerability])
 
 
 def check_virtual(robot: Robot, mobility: Mobility) -> None:
-    """NotDerivableError, naming the condition, for virtual wheels that cannot stand for their wheels."""
+    """Raise NotDerivableError, naming the condition, for virtual wheels that cannot represent their wheels."""
     for v in robot.virtual:
         _check_parallel(robot, v)
     wheels = steering(robot)
@@ -78,25 +84,28 @@ def check_virtual(robot: Robot, mobility: Mobility) -> None:
 
 
 def _check_parallel(robot: Robot, v: Virtual) -> None:
-    """All wheels of one virtual wheel are parallel at their zeros, and of one kind."""
+    """Require that all wheels of one virtual wheel are parallel at their zeros, and of one kind."""
     first, *others = (robot.wheel(name) for name in v.wheels)
     for w in others:
         cross = float(first.nominal.ch * w.nominal.sh - first.nominal.sh * w.nominal.ch)
         if abs(cross) > _SMALL:
-            raise NotDerivableError(
+            raise UnderivableError(
                 f"{v.name} {v.role} {first.name} and {w.name}, whose rolling directions at zero are not parallel "
-                f"({first.heading:.6g} and {w.heading:.6g} rad): with {v.name} straight both must be straight.\n"
-                f"  Give {w.name} the heading of {first.name}; for steered wheels heading is that at steering angle 0.",
+                f"({first.heading:.6g} and {w.heading:.6g} rad): if {v.name} is straight, both must be straight.\n"
+                f"  Give {w.name} the heading of {first.name}; heading is the rolling direction at steering angle 0.",
+                Reason.NOT_PARALLEL,
                 v.mark,
             )
         if w.type != first.type:
-            raise NotDerivableError(
+            raise UnderivableError(
                 f"{v.name} {v.role} {first.name} ({first.type}) and {w.name} ({w.type}), which share no heading.",
+                Reason.NOT_PARALLEL,
                 v.mark,
             )
 
 
 def _check_steerability(robot: Robot, mobility: Mobility, wheels: tuple[Virtual, ...]) -> None:
+    """Require enough virtual angles to determine the ICR."""
     need = mobility.degree_of_steerability
     if len(wheels) >= need > 0:
         return
@@ -107,17 +116,18 @@ def _check_steerability(robot: Robot, mobility: Mobility, wheels: tuple[Virtual,
     else:
         why = (
             f"the degree of steerability is {need}, so {len(wheels)} virtual angle{'s' if len(wheels) > 1 else ''} "
-            "cannot fix the ICR: no fixed axle holds it on a line, which is what the Ackermann condition needs"
+            "cannot determine the ICR: the Ackermann condition needs a fixed axle, on whose line the ICR is"
         )
-    raise NotDerivableError(
+    raise UnderivableError(
         f"{robot.name}: the virtual steering {names} of {members} violates the Ackermann condition: {why}.\n"
         f"  {'Delete it.' if not need else f'Name {need} virtual wheels, or steer the wheels one by one.'}",
+        Reason.ACKERMANN,
         wheels[0].mark,
     )
 
 
 def _check_axle(robot: Robot, mobility: Mobility, v: Virtual) -> None:
-    """Neither the virtual wheel nor a wheel it steers may stand on the line of the fixed axle."""
+    """Require that neither the virtual wheel nor a wheel it steers is on the line of the fixed axle."""
     rows = constant_rows(robot, mobility)
     if len(rows) != 1 or has_angles(rows[0]):
         return
@@ -127,18 +137,19 @@ def _check_axle(robot: Robot, mobility: Mobility, v: Virtual) -> None:
         return
     for w in (as_wheel(robot, v), *(robot.wheel(name) for name in v.wheels)):
         x, y = float(w.nominal.x), float(w.nominal.y)
-        # The axle passes through (x, y) where the row's velocity component n . v_A does not see omega.
+        # The axle passes through (x, y) if the row's velocity component n . v_A does not depend on omega.
         if abs((k - (x * ny - y * nx)) / size) < _SMALL:
-            raise NotDerivableError(
-                f"{v.name} steers {', '.join(v.wheels)}, but {w.name} stands at ({x:.6g}, {y:.6g}) on the axle line of "
-                "the fixed wheels: the ICR lies on that line, so the angle never changes and the Ackermann condition "
-                "leaves nothing to steer.\n  Place it off the axle (x, y).",
+            raise UnderivableError(
+                f"{v.name} steers {', '.join(v.wheels)}, but {w.name} is at ({x:.6g}, {y:.6g}), on the axle line of "
+                "the fixed wheels: the ICR is on that line, so by the Ackermann condition the angle never changes.\n"
+                "  Place it off the axle (x, y).",
+                Reason.ACKERMANN,
                 v.mark,
             )
 
 
 def _check_rank(robot: Robot, mobility: Mobility, wheels: tuple[Virtual, ...]) -> None:
-    """The virtual axles together with the constant rows must fix the motion as C1 does."""
+    """Require that the virtual axles and the constant rows determine the motion as C1 does."""
     matrix = [
         [nominal_at(p, robot, generic(robot)) for p in fixed(row, robot)]
         for row in constant_rows(robot, mobility)
@@ -149,32 +160,38 @@ def _check_rank(robot: Robot, mobility: Mobility, wheels: tuple[Virtual, ...]) -
     rank = numeric_rank(unit_rows(np.array(matrix)))[0]
     if rank != 3 - mobility.degree_of_mobility:
         names = ", ".join(v.name for v in wheels)
-        raise NotDerivableError(
-            f"{robot.name}: the virtual steering {names} violates the Ackermann condition: its angle does not fix the "
-            f"ICR (rank {rank}, the wheels themselves have {3 - mobility.degree_of_mobility}).",
+        raise UnderivableError(
+            f"{robot.name}: the virtual steering {names} violates the Ackermann condition: its angle does not "
+            f"determine the ICR (rank {rank}, the wheels themselves have {3 - mobility.degree_of_mobility}).",
+            Reason.ACKERMANN,
             wheels[0].mark,
         )
 
 
 def _check_drive(robot: Robot, v: Virtual) -> None:
+    """Require that a virtual drive has a driven wheel."""
     idle = [name for name in v.wheels if "spin" not in robot.wheel(name).actuated]
     if len(idle) == len(v.wheels):
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{v.name} drives {', '.join(v.wheels)}, none of which is driven.\n"
             f"  Write actuated: [spin] for {idle[0]}, or delete the virtual wheel.",
+            Reason.NOT_DRIVEN,
             v.mark,
         )
 
 
 @function("Tzafestas (2.49)-(2.51); Kelly 4.2.1.2, Ackermann")
 def virtual_steering(robot: Robot, mobility: Mobility) -> Formula:
-    """Virtual angles to the steering angles of the real wheels: cot differences are the Ackermann condition."""
+    """Return the steering angles of the real wheels for virtual angles (Ackermann condition)."""
     wheels = steering(robot)
     if not wheels:
         raise underivable(
-            robot, "virtual steering", "its file names no virtual wheel that steers.\n"
+            robot,
+            "virtual steering",
+            "its file names no virtual wheel that steers.\n"
             "  Write virtual: [{name: front, steers: [front_left, front_right]}].",
-        )  # fmt: skip
+            Reason.NO_VIRTUAL_WHEEL,
+        )
     coordinates = steering_frame(robot, mobility)
     followers = [w for w in robot.wheels if w.kind.steers]
     followers += [as_wheel(robot, v) for v in wheels[mobility.degree_of_steerability :]]
@@ -183,23 +200,27 @@ def virtual_steering(robot: Robot, mobility: Mobility) -> Formula:
         coordinates,
         followers,
         robot,
-        "angles of the virtual wheels to those of the real ones",
+        "angles of the virtual wheels to the angles of the real wheels",
     )
 
 
 @function("Tzafestas (2.49)-(2.51); Kelly 4.2.1.2, Ackermann")
 def virtual_angle(robot: Robot, mobility: Mobility) -> Formula:
-    """The way back: steering angles of the wheels that decide to the angles of the virtual wheels."""
+    """Return the angles of the virtual wheels for the steering angles of the real wheels that determine the ICR."""
     virtual_steering(robot, mobility)
     coordinates = frame(robot, mobility, False)
     followers = [as_wheel(robot, v) for v in steering(robot)]
     return _angles(
-        "virtual_angle", coordinates, followers, robot, "real steering angles to those of the virtual wheels"
+        "virtual_angle",
+        coordinates,
+        followers,
+        robot,
+        "steering angles of the real wheels to the angles of the virtual wheels",
     )
 
 
 def _angles(name: str, coordinates: Frame, followers: list[Wheel], robot: Robot, text: str) -> Formula:
-    """steer = atan2 of the travel of the pivot, seen from the wheel's zero."""
+    """Return a function whose steering angles are the directions of travel of the pivots."""
     outputs = []
     for w in followers:
         along, across = steering_direction(coordinates, w)

@@ -1,26 +1,26 @@
-"""How far to trust the twist and the pose: `forward_covariance` and `odometry_covariance`, of first order.
+"""Covariance of the twist and of the pose, to first order: `forward_covariance` and `odometry_covariance`.
 
-`forward` takes the twist xi that leaves least of weighted rows, e = H xi - z, with N = H^T W H. An error dq of a
-measured joint moves a row by a dq, a = d(H xi - z)/dq, and so the twist by N^-1 H^T W a dq. The noise of joints is
-independent, with the variance (proportional q)**2 + constant**2 of the robot file. With C the covariance that it gives
-the rows, block by block of the two rows of a wheel,
+`forward` minimises weighted residuals e = H xi - z, with N = H^T W H. An error dq of a measured joint changes a row by
+a dq, a = d(H xi - z)/dq, and so the twist by N^-1 H^T W a dq. The noise of joints is independent, with the variance
+(proportional q)**2 + constant**2 of the robot file. Let C be the covariance of the rows, block by block of the two
+rows of a wheel. Then
 
     cov xi = N^-1 M N^-1 + excess N^-1        M = H^T W C W H
     excess = max(0, slip**2 - expected) / (rows - 3)        expected = tr(W C) - tr(N^-1 M)
 
-``slip`` is the residual of `forward`; ``expected`` is the mean of its square where noise is all there is. What it has
-beyond that is the ground's or a broken encoder's: it is shared out as an error of every row alike, weights considered
-(method of moments; DerSimonian, Laird 1986). Slip within the noise raises nothing, and where rows cannot contradict
-each other none is seen. A sum of squares weighted by positive numbers, the covariance is positive semidefinite.
+``slip`` is the residual of `forward`, and ``expected`` is the mean of its square if there is only noise. A larger
+residual comes from slipping wheels or a broken encoder. It is attributed to all rows alike, according to their weights
+(method of moments; DerSimonian, Laird 1986). A residual within the noise adds nothing, and without redundant rows no
+slip can be observed. The covariance is positive semidefinite: it is a sum of squares with positive weights.
 
-Over a step the errors of the pose go through the derivatives of the SE(2) exponential. With d the step's displacement,
-R the turn by theta + h, h = omega dt / 2, and z x the quarter turn counter-clockwise,
+Over a step the errors of the pose are propagated by the derivatives of the SE(2) exponential. With d the step's
+displacement, R the rotation by theta + h, h = omega dt / 2, and z x the quarter turn counter-clockwise,
 
     position' = position + (z x d) (heading + dt/2 yaw rate) + dt sinc(h) R velocity
     heading'  = heading + dt yaw rate
 
-where the yaw rate's share is without the term -dt/2 (1/h - 1/tan h) d, some h/3 of it. Errors of one step are
-independent of those of the next.
+The effect of the yaw rate omits the term -dt/2 (1/h - 1/tan h) d, about h/3 of it. Errors of different steps are
+independent.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ from wmrgen.analysis.kinematics.sensing import (
 )
 from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.polynomials import by_angle
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import XI
 from wmrgen.geometry.exact.linalg import symmetric
 from wmrgen.geometry.exact.number import Exact
@@ -75,31 +75,35 @@ _PAIRS = tuple((i, j) for i in range(3) for j in range(i, 3))
 
 
 class _Block(NamedTuple):
-    """The rows of a wheel, one or two, their weight, and the covariance ``noise`` of their errors [(m/s)**2]."""
+    """The rows of a wheel, one or two."""
 
     rows: list[Row]
-    weight: Exact
-    noise: Matrix
+    weight: Exact  # of both rows in the least squares
+    noise: Matrix  # covariance of the rows' errors [(m/s)**2]
 
 
 @function(
     "ours, after Tzafestas (2.8a): propagation of first order; DerSimonian, Laird", limits=Limits.MEASURED
 )
 def forward_covariance(robot: Robot, _: Mobility) -> Formula:
-    """Sensed joints, the twist that they give where their errors depend on it, and its slip to its covariance."""
+    """Return the covariance of the twist of `forward` for sensed joints, the twist and its slip."""
     joints = (robot.noise_of(w, j) for w in robot.wheels for j in sensed_joints(w))
     if not any(joints) and (robot.gyro is None or not any(robot.gyro.noise)):
         raise underivable(
             robot,
             "forward_covariance",
             "no sensed joint has noise; write noise: {spin: {proportional: 0.02, constant: 0.01 rad/s}}",
+            Reason.NO_NOISE,
         )
     names, measured = Locals(), measurements(robot)
     constant = measured.constant_normal
     rank = nominal_rank(measured.rows, robot).value if constant else generic_rank(measured)
     if rank < 3:
         raise underivable(
-            robot, "forward_covariance", "its sensed joints leave a motion unseen, of which nothing is known"
+            robot,
+            "forward_covariance",
+            "its sensed joints do not determine every component of the twist",
+            Reason.UNOBSERVABLE,
         )
     blocks = [_block(m, robot, names) for m in measured.all]
     inverse = (_constant_inverse if constant else _moving_inverse)(measured, names)
@@ -119,7 +123,7 @@ def forward_covariance(robot: Robot, _: Mobility) -> Formula:
 
 
 def _inputs(robot: Robot, names: Locals, slips: bool) -> list[Port]:
-    """Sensed joints; the twist as far as errors depend on it; slip; tunable parameters."""
+    """Return sensed joints, the components of the twist that errors depend on, slip, and tunable parameters."""
     used = {symbol for _, value in names.items for symbol in value.free_symbols}
     twist = [port for port in TWIST if signal(port.name) in used]
     slip = [slip_port("residual of forward")] if slips else []
@@ -127,6 +131,7 @@ def _inputs(robot: Robot, names: Locals, slips: bool) -> list[Port]:
 
 
 def _block(measured: Contact | Component | YawRate, robot: Robot, names: Locals) -> _Block:
+    """Return the rows of a wheel or of the gyro with the covariance of their errors."""
     rows = measured.rows
     if isinstance(measured, YawRate):
         assert robot.gyro is not None
@@ -150,7 +155,7 @@ def _block(measured: Contact | Component | YawRate, robot: Robot, names: Locals)
 
 
 def _by_joint(value: Poly, w: Wheel, joint: str) -> Poly:
-    """The derivative by a measured joint."""
+    """Return the derivative by a measured joint."""
     if joint == "steer":
         return by_angle(value, Gen("cos", w.name), Gen("sin", w.name))
     port = Gen("input", f"{w.name}.{joint}")
@@ -158,20 +163,21 @@ def _by_joint(value: Poly, w: Wheel, joint: str) -> Poly:
 
 
 def _variance(port: str, noise: Noise, names: Locals) -> Poly:
+    """Return (proportional q)**2 + constant**2."""
     value = signal_poly(port)
     share, least = noise.proportional * noise.proportional, noise.constant * noise.constant
     return names.short(f"{port}_variance", (value * value).scale(share) + least)
 
 
 def _constant_inverse(measured: Measurements, names: Locals) -> Matrix:
-    """N^-1 where no joint moves it; entries that depend on tunable parameters have names."""
+    """Return N^-1 if no joint changes it; entries that depend on tunable parameters get names."""
     normal, _ = normal_equations(measured.rows)
     inverse = pseudo_inverse(named_normal(normal, names.short), None)
     return symmetric(lambda i, j: names.short(f"inverse{i}{j}", inverse[i][j]))
 
 
 def _moving_inverse(measured: Measurements, names: Locals) -> Matrix:
-    """N^-1 by cofactors; where `forward` takes a smaller rank, the determinant is kept at the edge of that."""
+    """Return N^-1 by cofactors, with the determinant bounded where `forward` uses a smaller rank."""
     normal, _ = normal_equations(measured.rows)
     n = named_normal(normal, names.poly)
     adj, det = adjugate(n, names)
@@ -184,29 +190,23 @@ def _moving_inverse(measured: Measurements, names: Locals) -> Matrix:
 
 
 def _propagated(blocks: Sequence[_Block], inverse: Matrix, names: Locals) -> Matrix:
-    """N^-1 H^T W C W H N^-1, a sum over blocks of gains times their noise."""
+    """Return N^-1 H^T W C W H N^-1: a sum over blocks of gains times their noise."""
     total = {pair: Poly({}) for pair in _PAIRS}
     for k, block in enumerate(blocks):
-        gains = [
-            [
-                names.short(
-                    f"gain{k}{i}{a}",
-                    dot(inverse[i], row).scale(block.weight),
-                )
-                for a, row in enumerate(block.rows)
-            ]
-            for i in range(3)
-        ]
+        gains: list[list[Poly]] = [[], [], []]
+        for i in range(3):
+            for a, row in enumerate(block.rows):
+                gain = dot(inverse[i], row).scale(block.weight)
+                gains[i].append(names.short(f"gain{k}{i}{a}", gain))
         size = range(len(block.rows))
         for i, j in _PAIRS:
-            total[i, j] = total[i, j] + Poly.sum(
-                gains[i][a] * gains[j][b] * block.noise[a][b] for a in size for b in size
-            )
+            terms = [gains[i][a] * gains[j][b] * block.noise[a][b] for a in size for b in size]
+            total[i, j] = total[i, j] + Poly.sum(terms)
     return symmetric(lambda i, j: total[i, j])
 
 
 def _excess(blocks: Sequence[_Block], inverse: Matrix, rows: int, names: Locals) -> Expr:
-    """What slip**2 has beyond its mean under noise, per redundant row."""
+    """Return by how much slip**2 exceeds its mean under noise, per redundant row."""
     expected = Poly({})
     for block in blocks:
         for a, row in enumerate(block.rows):
@@ -221,7 +221,7 @@ def _excess(blocks: Sequence[_Block], inverse: Matrix, rows: int, names: Locals)
 
 @function("Konstantinov, case of constant speeds; propagation of first order is ours", limits=Limits.MEASURED)
 def odometry_covariance(_: Robot, __: Mobility) -> Formula:
-    """Pose and its covariance after a step at a twist of this covariance."""
+    """Return the pose and its covariance after a step at a twist with the given covariance."""
     names = Locals()
     steps = increments(names)
     x, y, theta = (add(signal(p.name), e) for p, e in zip(POSE, steps, strict=True))
@@ -230,7 +230,7 @@ def odometry_covariance(_: Robot, __: Mobility) -> Formula:
     before = {p.name: signal(p.name) for p in (*POSE_COVARIANCE, *TWIST_COVARIANCE)}
     (xx, xy, yy), by_rate = _of_velocity(before, names)
     half = names.define("half_dt", signal("dt") / 2)
-    # Covariance of half the turn and the yaw rate.
+    # Covariance of half the heading change and the yaw rate.
     swing = names.define("swing", times(half, before["omegaomega"]))
     heading = names.define("heading_variance", add(before["thetatheta"], times(half, swing)))
     lever = (times(-1, dy), dx)
@@ -256,7 +256,7 @@ def odometry_covariance(_: Robot, __: Mobility) -> Formula:
 def _of_velocity(
     covariances: Mapping[str, Expr], names: Locals
 ) -> tuple[tuple[Expr, Expr, Expr], tuple[Expr, Expr]]:
-    """What errors of the velocity add to xx, xy and yy; covariances of that with the yaw rate."""
+    """Return what errors of the velocity add to xx, xy and yy, and their covariances with the yaw rate."""
     chord, middle = local("chord"), local("middle")
     c = names.define("chord_x", chord * sympy.cos(middle))
     s = names.define("chord_y", chord * sympy.sin(middle))

@@ -1,12 +1,12 @@
 """The instantaneous centre of rotation (ICR): of a twist, `icr`, and the steering angles of a centre, `steer_to`.
 
-Homogeneous coordinates stay finite (Kelly 4.2.1): a twist turns the body about (x, y) / w with
-(x, y, w) = (-vy, vx, omega) in the robot frame; w = 0 is a translation: the centre lies at infinity in the direction
-(x, y), at right angles to the motion.
+Homogeneous coordinates stay finite (Kelly 4.2.1). A twist turns the body about (x, y) / w with (x, y, w) = (-vy, vx,
+omega) in the robot frame. w = 0 is a translation: the centre is at infinity in the direction (x, y), at right angles
+to the motion.
 
-`check_steering` says whether the axles agree at given steering angles, by the rank of C1 there (Kelly 4.2.1.2):
+`check_steering` determines whether the axles meet at given steering angles, by the rank of C1 (Kelly 4.2.1.2):
 
-    rank 1   all axles lie on one line: the ICR may be anywhere on it (Siegwart 3.3.1)
+    rank 1   all axles are on one line: the ICR may be anywhere on it (Siegwart 3.3.1)
     rank 2   all axles meet in the ICR, or all are parallel: crab steering, the ICR at infinity (Jeantaud)
     rank 3   the axles do not meet: mobility 0, driving slides
 """
@@ -26,7 +26,7 @@ from wmrgen.analysis.mobility.admissible import along
 from wmrgen.analysis.mobility.ranks import numeric_rank, unit_rows
 from wmrgen.analysis.mobility.records import Array, Mobility
 from wmrgen.functions.motion.paths import FARTHEST, SLOWEST, path
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.ports import TWIST, TWIST_NAMES, Port, Role, output
 from wmrgen.geometry.symbolic import absolute, add, maximum, norm, over, signal, subtract, times
@@ -38,7 +38,7 @@ POINT = (
 
 
 def centre_ports(unit: str = "m/s", weight: str = "rad/s") -> tuple[Port, Port, Port]:
-    """icr.x, icr.y, icr.w."""
+    """Return the ports icr.x, icr.y, icr.w."""
     text = "homogeneous: the centre of rotation is (icr.x, icr.y) / icr.w, robot frame"
     return (
         Port("icr.x", Role.COMMAND, unit, text),
@@ -51,7 +51,7 @@ def centre_ports(unit: str = "m/s", weight: str = "rad/s") -> tuple[Port, Port, 
 
 @function("Kelly 4.2.1.1; Tzafestas (2.43)")
 def icr(_: Robot, __: Mobility) -> Formula:
-    """Twist and a point of the body to the ICR, the curvature of P and the velocity and radius of the point."""
+    """Return the ICR and the curvature of P for a twist, and the velocity and radius of a point of the body."""
     names = Locals()
     vx, vy, omega = (signal(n) for n in TWIST_NAMES)
     facts = path((vx, vy, omega), names)
@@ -75,13 +75,14 @@ def icr(_: Robot, __: Mobility) -> Formula:
 
 @function("Kelly 4.2.1.2 (Jeantaud), 4.2.2.1.1")
 def steer_to(robot: Robot, mobility: Mobility) -> Formula:
-    """A centre of rotation to the steering angles whose axles meet there (Kelly 4.2.1.2: Jeantaud).
+    """Return the steering angles whose axles meet at a centre of rotation (Kelly 4.2.1.2: Jeantaud).
 
-    Each wheel takes the nearer of its two branches, as in ``inverse``; fixed wheels pull the centre to their axle.
+    Each wheel takes the nearer of its two directions, as in ``inverse``. If there are fixed wheels, the centre is
+    moved to their axle.
     """
     steers = {f"{w.name}.steer" for w in robot.wheels if w.kind.steers}
     if not steers:
-        raise underivable(robot, "steer_to", "none of its wheels is steered")
+        raise underivable(robot, "steer_to", "none of its wheels is steered", Reason.NOT_STEERED)
     names, drive = Locals(), inverse(robot, mobility)
     twist = {"vx": signal("icr.y"), "vy": times(-1, signal("icr.x")), "omega": signal("icr.w")}
     commands = names.adopt(drive, twist)
@@ -91,26 +92,23 @@ def steer_to(robot: Robot, mobility: Mobility) -> Formula:
         ((p, commands[p.name]) for p, _ in drive.outputs if p.name in steers),
         "centre of rotation to steering angles; a point has icr.w = 1, a direction of infinity icr.w = 0",
     )
-    return replace(formula, calls=())  # kernels would compute speeds, too, for which nobody asks
+    return replace(formula, calls=())  # kernels would also compute speeds, which are not outputs
 
 
 class SteeringCheck(NamedTuple):
-    """``rank``: of C1 at the angles, at the project's tolerance. ``odd``: wheels each of which alone spoils it.
+    """Whether the axles meet at given steering angles."""
 
-    ``mobility`` = 3 - rank: what the robot can still do at these angles.
-    """
-
-    rank: int
-    odd: tuple[str, ...]
+    rank: int  # of C1 at the angles, with the project's tolerance
+    odd: tuple[str, ...]  # wheels whose axle alone does not meet the others
 
     @property
     def mobility(self) -> int:
-        """Freedoms of motion at these angles (Siegwart (3.40))."""
+        """Return the freedoms of motion at these angles, 3 - rank (Siegwart (3.40))."""
         return 3 - self.rank
 
 
 def check_steering(robot: Robot, steer: Mapping[str, float]) -> SteeringCheck:
-    """``steer``: joint angle [rad] by wheel name, 0 where not given."""
+    """Return whether the axles meet. ``steer`` has joint angles [rad] by wheel name, 0 if not given."""
     wheels = [w for w in robot.wheels if w.kind.constrains]
     rows = np.array([_row(w, steer) for w in wheels]).reshape(-1, 3)
     rank = _rank(rows)
@@ -123,11 +121,21 @@ def check_steering(robot: Robot, steer: Mapping[str, float]) -> SteeringCheck:
 
 
 def _rank(rows: Array) -> int:
+    """Return the numeric rank of rows."""
     return numeric_rank(unit_rows(rows))[0]
 
 
 def axle_distances(robot: Robot, steer: Mapping[str, float], point: tuple[float, float]) -> dict[str, float]:
-    """How far the axle line of each fixed or steered wheel passes from a point of the robot frame [m]."""
+    """Return how far the axle line of each fixed or steered wheel passes from a point [m].
+
+    Args:
+        robot: The robot.
+        steer: Steering angles [rad] by wheel name, 0 if not given.
+        point: A point of the robot frame [m].
+
+    Returns:
+        Distances by wheel name.
+    """
     distances = {}
     for w in robot.wheels:
         if w.kind.constrains:
@@ -137,6 +145,6 @@ def axle_distances(robot: Robot, steer: Mapping[str, float], point: tuple[float,
 
 
 def _row(w: Wheel, steer: Mapping[str, float]) -> Array:
-    """Sliding row of the pivot: [-s, c, x c + y s]."""
+    """Return the sliding row of the pivot: [-s, c, x c + y s]."""
     angle = steer.get(w.name, 0.0) if w.kind.steers else 0.0
     return along(w, 1j * w.zero_heading * cmath.rect(1, angle))

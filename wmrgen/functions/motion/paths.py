@@ -1,18 +1,18 @@
-"""Where constant joint rates lead: `motion`, `circle` and `heading`; and back, the twist to a pose: `reach`.
+"""Motion under constant joint rates: `motion`, `circle` and `heading`; and the twist to a pose: `reach`.
 
-Steering held, a robot drives a straight line or a circle (Konstantinov, case of constant speeds):
+At constant steering angles a robot drives a straight line or a circle (Konstantinov, case of constant speeds):
 
     radius = |v| / |omega|,   centre = P + z x v / omega,   period = 2 pi / |omega|
 
-On a straight line the radius is infinite. Here it ends at `FARTHEST`, with the centre that far to the left, so that
-every output is finite and continuous; ``turns`` tells which of the two it is.
+On a straight line the radius is infinite. Here it is limited to `FARTHEST`, with the centre that far to the left, so
+that every output is finite and continuous. ``turns`` distinguishes the two cases.
 
-Where the yaw rate is a constant combination of wheel speeds, it integrates to a holonomic relation, as
-phi = phi0 - (r/3a)(psi1 + psi2 + psi3) (Konstantinov (6)) and phi = phi0 + r (theta_r - theta_l) / 2a of the
-differential drive (Tzafestas (2.36c)).
+If the yaw rate is a constant combination of wheel speeds, it integrates to a holonomic relation: phi = phi0 -
+(r/3a)(psi1 + psi2 + psi3) (Konstantinov (6)), or phi = phi0 + r (theta_r - theta_l) / 2a for the differential drive
+(Tzafestas (2.36c)).
 
-`reach` is the inverse of `wmrgen.analysis.kinematics.pose` (SE(2) logarithm): the chord of the arc points along
-theta / 2 and is dt sinc(theta / 2) times the velocity, so
+`reach` is the inverse of `wmrgen.analysis.kinematics.pose` (SE(2) logarithm). The chord of the arc points along theta
+/ 2 and is dt sinc(theta / 2) times the velocity, so
 
     v = R(-theta / 2) (x, y) / (dt sinc(theta / 2)),   omega = theta / dt
 """
@@ -31,7 +31,7 @@ from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.analysis.kinematics.sensing import measurements
 from wmrgen.analysis.mobility.ranks import numeric_rank, unit_of
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.exact.evaluate import number as nominal_number
 from wmrgen.geometry.exact.poly import Poly, Row, triple
 from wmrgen.geometry.layout.records import Robot
@@ -51,46 +51,52 @@ from wmrgen.geometry.symbolic import (
     times,
 )
 
-FARTHEST = sympy.Integer(10**9)  # [m] a radius that counts as straight
-SLOWEST = sympy.Rational(1, 10**12)  # [rad/s] a yaw rate that counts as none, [m/s] a speed that does
+FARTHEST = sympy.Integer(10**9)  # [m] a path with a larger radius is treated as straight
+SLOWEST = sympy.Rational(1, 10**12)  # [rad/s], [m/s]: a smaller yaw rate or speed is treated as 0
 
 
 def sign(a: Expr) -> Expr:
-    """-1 where a < 0, else 1."""
+    """Return -1 if a < 0, else 1."""
     return select(a, sympy.S.Zero, sympy.S.NegativeOne, sympy.S.One)
 
 
-def named(outputs: Mapping[str, Expr], suffix: str, names: Locals) -> tuple[Expr, Expr, Expr]:
-    """The twist among outputs as intermediate results ``<name>_<suffix>``; a zero stays zero."""
+def named_twist(outputs: Mapping[str, Expr], suffix: str, names: Locals) -> tuple[Expr, Expr, Expr]:
+    """Return the twist among outputs as intermediate results ``<name>_<suffix>``; a zero needs no name.
+
+    Args:
+        outputs: Values by name, among them vx, vy and omega.
+        suffix: The end of the names.
+        names: Takes the intermediate results.
+    """
     return triple(
         value if (value := outputs[name]) is sympy.S.Zero else names.define(f"{name}_{suffix}", value)
         for name in TWIST_NAMES
     )
 
 
-def driven(robot: Robot, names: Locals) -> tuple[tuple[Port, ...], tuple[Expr, Expr, Expr]]:
-    """The sensed spins and steering angles, and the twist in the robot frame that they drive.
+def sensed_twist(robot: Robot, names: Locals) -> tuple[tuple[Port, ...], tuple[Expr, Expr, Expr]]:
+    """Return the sensed spins and steering angles, and the twist in the robot frame that they drive.
 
-    Steering rates are zero: a constant command holds every steering angle, and the Jacobian with it.
+    Steering rates are zero, because a constant command keeps every steering angle.
     """
     formula = forward(robot)
     held = {p.name: sympy.S.Zero for p in formula.inputs if p.name.endswith(".steer_rate")}
-    twist = named(names.adopt(formula, held), "driven", names)
+    twist = named_twist(names.adopt(formula, held), "driven", names)
     return tuple(p for p in formula.inputs if p.name not in held and p.role is not Role.GEOMETRY), twist
 
 
 @function("Konstantinov, case of constant speeds; Tzafestas (2.36), (2.38) integrated")
 def motion(robot: Robot, _: Mobility) -> Formula:
-    """Sensed joint rates held for dt: the pose after it, exactly (a straight line or an arc)."""
+    """Return the exact pose after constant joint rates for dt: the end of a straight line or an arc."""
     names = Locals()
-    joints, twist = driven(robot, names)
+    joints, twist = sensed_twist(robot, names)
     step = arc()
     end = names.adopt(step, dict(zip(TWIST_NAMES, twist, strict=True)))
     return names.formula(
         "motion",
         (*joints, *POSE, step.inputs[-1], *tunable_ports(robot)),
         ((port, end[port.name]) for port in POSE),
-        "pose after holding constant joint rates for dt, steering held",
+        "pose after constant joint rates for dt, at constant steering angles",
     )
 
 
@@ -100,7 +106,7 @@ CIRCLE = (
     output("y_centre", "m", "centre of the circle, world frame"),
     output("radius", "m", "radius of the circle of P, at most 1e9: a straight line"),
     output("curvature", "1/m", "yaw rate over speed of P, at most 1e9 in size: turning on the spot"),
-    output("period", "s", "time of one turn"),
+    output("period", "s", "time of one full circle"),
     output("speed", "m/s", "speed of P"),
     output("direction", "rad", "direction of motion of P, from x of the robot"),
 )
@@ -108,9 +114,9 @@ CIRCLE = (
 
 @function("Konstantinov, x_C, y_C and R (corrected); Tzafestas (2.43)")
 def circle(robot: Robot, _: Mobility) -> Formula:
-    """Sensed joint rates and the pose to the circle or straight line that they drive."""
+    """Return the circle or straight line that sensed joint rates drive from a pose."""
     names = Locals()
-    joints, twist = driven(robot, names)
+    joints, twist = sensed_twist(robot, names)
     values = path(twist, names)
     direction = names.define("direction_left", add(signal("theta"), values["direction"]))
     to_centre = names.define("reach", times(sign(twist[2]), values["radius"]))
@@ -120,12 +126,12 @@ def circle(robot: Robot, _: Mobility) -> Formula:
         "circle",
         (*joints, *POSE, *tunable_ports(robot)),
         ((port, values[port.name]) for port in CIRCLE),
-        "circle or straight line that constant joint rates drive, steering held",
+        "circle or straight line that constant joint rates drive, at constant steering angles",
     )
 
 
 def path(twist: tuple[Expr, Expr, Expr], names: Locals) -> dict[str, Expr]:
-    """turns, radius, curvature, period, speed and direction of a twist."""
+    """Return turns, radius, curvature, period, speed and direction of a twist."""
     vx, vy, omega = twist
     speed = names.define("speed_of_path", norm(vx, vy))
     rate = names.define("rate_of_path", absolute(omega))
@@ -144,7 +150,7 @@ def path(twist: tuple[Expr, Expr, Expr], names: Locals) -> dict[str, Expr]:
 
 @function("Siegwart figures 3.15 and 3.16, the twist of a segment")
 def reach(_: Robot, __: Mobility) -> Formula:
-    """Displacement x y theta in the robot frame and dt to the constant twist that makes it."""
+    """Return the constant twist that displaces the robot by x y theta in dt, robot frame."""
     names = Locals()
     x, y, theta, dt = (signal(n) for n in ("x", "y", "theta", "dt"))
     # Unit speed for unit time along the same arc: its chord is sinc(theta / 2), series and switch point included.
@@ -158,7 +164,7 @@ def reach(_: Robot, __: Mobility) -> Formula:
     inputs = (
         Port("x", Role.COMMAND, "m", "forward, robot frame at the start"),
         Port("y", Role.COMMAND, "m", "to the left, robot frame at the start"),
-        Port("theta", Role.COMMAND, "rad", "turn, at most pi in size"),
+        Port("theta", Role.COMMAND, "rad", "change of the heading, at most pi in size"),
         replace(DT, text="duration of the motion, above 0"),
     )
     return names.formula(
@@ -171,20 +177,31 @@ def reach(_: Robot, __: Mobility) -> Formula:
 
 @function("Konstantinov (6); Tzafestas (2.36)")
 def heading(robot: Robot, _: Mobility) -> Formula:
-    """Wheel angles turned since the heading was theta, to the heading now."""
-    robot = replace(robot, gyro=None)  # its angle is no state of the wheels
+    """Return the present heading from the angles that the wheels have turned since the heading was theta."""
+    robot = replace(robot, gyro=None)  # its angle is not an angle of a wheel
     measured = measurements(robot)
     if not measured.constant_normal:
         raise underivable(
-            robot, "heading function", "its yaw rate depends on joint angles that change on the way"
+            robot,
+            "heading function",
+            "its yaw rate depends on joint angles that change during the motion",
+            Reason.UNOBSERVABLE,
         )
     if not _sees_yaw(robot, [row for row, _, _ in measured.rows]):
-        raise underivable(robot, "heading function", "the sensed wheel speeds do not determine its yaw rate")
+        raise underivable(
+            robot,
+            "heading function",
+            "the sensed wheel speeds do not determine its yaw rate",
+            Reason.UNOBSERVABLE,
+        )
     formula, names = forward(robot), Locals()
     joints = {signal(p.name) for p in formula.inputs if p.name.endswith((".steer", ".steer_rate"))}
     if joints & formula.closed()["omega"].free_symbols:
         raise underivable(
-            robot, "heading function", "its yaw rate depends on steering angles that change on the way"
+            robot,
+            "heading function",
+            "its yaw rate depends on steering angles that change during the motion",
+            Reason.UNOBSERVABLE,
         )
     text = "angle of the wheel about its axle since the heading was theta"
     angles = {
@@ -202,7 +219,7 @@ def heading(robot: Robot, _: Mobility) -> Formula:
 
 
 def _sees_yaw(robot: Robot, rows: list[Row]) -> bool:
-    """True when the measured rows contain the yaw rate, at nominal parameters and in the robot's own unit."""
+    """Return whether the measured rows determine the yaw rate, at nominal parameters and in the robot's own unit."""
     nominal = {p.name: Poly.of(p.nominal) for p in robot.parameters}
     own = [unit_of(robot).own_row(row) for row in rows]
     measured = np.array([[float(nominal_number(p, nominal)) for p in row] for row in own]).reshape(-1, 3)

@@ -1,14 +1,14 @@
 """Velocities in the world frame, and of contact points, which may slip: v_c = H(gamma) xi + Q(gamma) gamma_dot.
 
-The world frame turns the functions of the robot frame by the heading, xi_R = R(theta) xi_I (Siegwart (3.2), (3.10);
-Tzafestas (2.37d), (2.41c), (2.75), (2.83), (2.85); Konstantinov (4), (5)).
+Functions of the world frame are functions of the robot frame rotated by the heading, xi_R = R(theta) xi_I (Siegwart
+(3.2), (3.10); Tzafestas (2.37d), (2.41c), (2.75), (2.83), (2.85); Konstantinov (4), (5)).
 
 With B the contact point and A the steering axis, in the robot frame,
 
     v_B = v + omega z x B + steer_rate z x (B - A)
 
-which is a rigid body's velocity (Kelly Box 4.2, (4.39), (4.62)); Q is zero where contact and axis coincide. With e the
-rolling direction that a wheel has now and n = z x e, wheels that slip have (Tzafestas Example 2.2, corrected for
+which is a rigid body's velocity (Kelly Box 4.2, (4.39), (4.62)). Q is zero if contact and axis coincide. With e the
+present rolling direction of a wheel and n = z x e, wheels that slip satisfy (Tzafestas Example 2.2, corrected for
 steered wheels)
 
     r spin = e . v_B + slip_x,     slip_y = n . v_B
@@ -26,7 +26,7 @@ from wmrgen.analysis.kinematics.inverse import inverse
 from wmrgen.analysis.kinematics.pose import RATES
 from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.motion.paths import named
+from wmrgen.functions.motion.paths import named_twist
 from wmrgen.functions.registry import function
 from wmrgen.geometry.constraints import (
     XI,
@@ -47,14 +47,14 @@ ZERO, ONE = Poly({}), Poly.of(1)
 
 
 def _turn(names: Locals) -> tuple[Expr, Expr]:
-    """Cosine and sine of the heading."""
+    """Return cosine and sine of the heading as intermediate results."""
     theta = signal("theta")
     return names.define("cos_theta", sympy.cos(theta)), names.define("sin_theta", sympy.sin(theta))
 
 
 @function("Siegwart (3.2); Tzafestas (2.41c), (2.75) corrected, (2.85); Konstantinov (4)")
 def inverse_world(robot: Robot, mobility: Mobility) -> Formula:
-    """theta, world velocity and present steering to every joint's command."""
+    """Return joint commands for theta, the world velocity and the present steering angles."""
     names = Locals()
     a, b, omega = (signal(p.name) for p in RATES)
     vx, vy = rotated_back(*_turn(names), a, b)
@@ -71,12 +71,12 @@ def inverse_world(robot: Robot, mobility: Mobility) -> Formula:
 
 @function("Siegwart (3.9), (3.10); Tzafestas (2.37d), (2.83); Konstantinov (5)")
 def forward_world(robot: Robot, _: Mobility) -> Formula:
-    """theta and sensed joint rates to the velocity in the world frame and ``slip``."""
+    """Return the velocity in the world frame and ``slip`` for theta and sensed joint rates."""
     names = Locals()
     c, s = _turn(names)
     formula = forward(robot)
     values = names.adopt(formula, {})
-    vx, vy, omega = named(values, "robot", names)
+    vx, vy, omega = named_twist(values, "robot", names)
     slip = tuple((port, values[port.name]) for port, _ in formula.outputs if port.name == "slip")
     return names.formula(
         "forward_world",
@@ -87,20 +87,20 @@ def forward_world(robot: Robot, _: Mobility) -> Formula:
 
 
 class ContactPoint(NamedTuple):
-    """Contact B of a wheel. ``rows``: H, velocity along x and y per twist; ``swing``: Q, the same per steering rate."""
+    """Contact B of a wheel."""
 
     wheel: Wheel
-    rows: tuple[Row, Row]
-    swing: tuple[Poly, Poly]
+    rows: tuple[Row, Row]  # H: velocity along x and y per twist
+    swing: tuple[Poly, Poly]  # Q: velocity along x and y per steering rate
 
     @property
     def swings(self) -> bool:
-        """True where steering moves the contact point."""
+        """Return whether steering moves the contact point."""
         return any(self.swing)
 
 
 def contact_points(robot: Robot, view: View = working_view) -> tuple[ContactPoint, ...]:
-    """The contact of every wheel, in the order of the file; couplings are not applied."""
+    """Return the contact of every wheel, in the order of the file; couplings are not applied."""
     points = []
     for w in robot.wheels:
         g = view(w)
@@ -111,20 +111,23 @@ def contact_points(robot: Robot, view: View = working_view) -> tuple[ContactPoin
 
 
 def twist_matrix(robot: Robot) -> sympy.Matrix:
-    """H, 2N x 3: rows x, y of each wheel, every named parameter a symbol."""
+    """Return H, 2N x 3: rows x, y of each wheel, with every named parameter as a symbol."""
     return matrix([row for p in contact_points(robot, symbolic_view) for row in p.rows], 3)
 
 
 def steering_matrix(robot: Robot) -> sympy.Matrix:
-    """Q, 2N x M for the M wheels that turn, in wheel order; every named parameter a symbol."""
+    """Return Q, 2N x M for the M wheels that turn, in wheel order, with every named parameter as a symbol."""
     turning = [w for w in robot.wheels if w.turns]
     points = contact_points(robot, symbolic_view)
-    rows = [[entry if w is p.wheel else ZERO for w in turning] for p in points for entry in p.swing]
+    rows = []
+    for p in points:
+        for entry in p.swing:
+            rows.append([entry if w is p.wheel else ZERO for w in turning])
     return matrix(rows, len(turning))
 
 
 def velocities(points: tuple[ContactPoint, ...], names: Locals) -> list[tuple[Poly, Poly]]:
-    """(x, y) velocity of every contact in the robot frame, named."""
+    """Return the (x, y) velocity of every contact in the robot frame, as intermediate results."""
     result = []
     for p in points:
         rate = signal_poly(f"{p.wheel.name}.steer_rate") if p.swings else ZERO
@@ -134,7 +137,7 @@ def velocities(points: tuple[ContactPoint, ...], names: Locals) -> list[tuple[Po
 
 
 def _joints(points: tuple[ContactPoint, ...], headings: bool) -> Iterator[Port]:
-    """Angle and rate of the joints that swing a contact; with ``headings`` the angles of all that turn."""
+    """Yield angle and rate of the joints that swing a contact; with ``headings`` the angles of all that turn."""
     for p in points:
         if p.swings or (headings and p.wheel.turns):
             yield joint_port(p.wheel, "steer", Role.STATE)
@@ -144,14 +147,13 @@ def _joints(points: tuple[ContactPoint, ...], headings: bool) -> Iterator[Port]:
 
 @function("Kelly (4.39), (4.40), Box 4.2, (4.62)", contacts=True)
 def contact_velocity(robot: Robot, _: Mobility) -> Formula:
-    """Twist, steering angles and steering rates to the velocity of every contact point, robot frame."""
+    """Return the velocity of every contact point, robot frame, for a twist, steering angles and rates."""
     names, points = Locals(), contact_points(robot)
     text = "velocity of the contact point, robot frame"
-    outputs = tuple(
-        (output(f"{p.wheel.name}.{component}", "m/s", text), expression(value))
-        for p, velocity in zip(points, velocities(points, names), strict=True)
-        for component, value in zip(("vx", "vy"), velocity, strict=True)
-    )
+    outputs = []
+    for p, velocity in zip(points, velocities(points, names), strict=True):
+        for component, value in zip(("vx", "vy"), velocity, strict=True):
+            outputs.append((output(f"{p.wheel.name}.{component}", "m/s", text), expression(value)))
     return names.formula(
         "contact_velocity",
         (*TWIST, *_joints(points, headings=False), *tunable_ports(robot)),
@@ -162,9 +164,9 @@ def contact_velocity(robot: Robot, _: Mobility) -> Formula:
 
 @function("Konstantinov (1)-(3), (2) corrected; Tzafestas (2.71)", contacts=True)
 def projections(robot: Robot, _: Mobility) -> Formula:
-    """Twist and heading to the contact velocities along e and n and in the world (Konstantinov (2), (3)).
+    """Return the contact velocities along e and n and in the world for a twist and heading (Konstantinov (2), (3)).
 
-    ``along`` = e . v (lambda_i), ``across`` = n . v (mu_i); for a Swedish-90 wheel the rim and the roller speed.
+    ``along`` = e . v (lambda_i), ``across`` = n . v (mu_i); for a Swedish-90 wheel the rim speed and the roller speed.
     """
     names, points = Locals(), contact_points(robot)
     c, s = _turn(names)
@@ -193,9 +195,9 @@ def projections(robot: Robot, _: Mobility) -> Formula:
 
 
 def _slip_port(w: Wheel, name: str) -> Port:
-    """``<wheel>.slip_x`` or ``<wheel>.slip_y``"""
+    """Return the port ``<wheel>.slip_x`` or ``<wheel>.slip_y``."""
     if w.kind.rollers:
-        text = "slip along the roller axis: what the rim adds there minus the contact's velocity"
+        text = "slip along the roller axis: rim speed minus velocity of the contact"
     elif name == "slip_x":
         text = "longitudinal slip: rim speed minus speed of the contact along the rolling direction"
     else:
@@ -205,9 +207,9 @@ def _slip_port(w: Wheel, name: str) -> Port:
 
 @function("Tzafestas Example 2.2, corrected for steered wheels", limits=Limits.COMMANDED, contacts=True)
 def slip_inverse(robot: Robot, _: Mobility) -> Formula:
-    """vx vy omega, steering angles and rates and slip_x to every wheel's spin and every standard wheel's slip_y.
+    """Return every wheel's spin and every standard wheel's slip_y for a twist, steering and slip_x.
 
-    The twist is not projected: what the wheels do not roll they slip.
+    The twist is not projected: the wheels slip where they cannot roll.
     """
     inputs = [*TWIST]
     inputs += [joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns]
@@ -231,5 +233,5 @@ def slip_inverse(robot: Robot, _: Mobility) -> Formula:
 
 
 def _swings(w: Wheel) -> bool:
-    """True where the steering rate moves the contact."""
+    """Return whether the steering rate moves the contact."""
     return w.turns and bool(w.nominal.d or w.nominal.steer_arm)

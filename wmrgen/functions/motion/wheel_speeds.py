@@ -1,14 +1,14 @@
-"""What the driven wheel speeds say together: their compatibility rows, and the velocity augmentation factor.
+"""Relations between driven wheel speeds: their compatibility rows, and the velocity augmentation factor.
 
-Where more wheels drive than the robot has freedoms, w . spin = 0 whatever it does, with w in the left null space of
-J2^-1 J1 on the admissible twists: theta1 + theta2 = theta3 + theta4 of a mecanum base (Tzafestas (2.84)).
+If more wheels drive than the robot has freedoms, w . spin = 0 for every motion, with w in the left null space of J2^-1
+J1 on the admissible twists: theta1 + theta2 = theta3 + theta4 for a mecanum base (Tzafestas (2.84)).
 
 The velocity augmentation factor is the speed of the robot over the largest rim speed of its wheels (Tzafestas 2.4.1):
 
     VAF(direction) = 1 / max_i |e_i . direction| / cos gamma_i
 
-e_i: rolling row of driven wheel i, gamma its rollers. The translations that keep every rim within 1 m/s form a
-polygon; VAF is its extent in a direction, largest in a corner and smallest across an edge.
+Here e_i is the rolling row of driven wheel i, and gamma belongs to its rollers. The translations that keep every rim
+within 1 m/s form a polygon. VAF is its extent in a direction, largest at a corner and smallest across an edge.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, sign
 from wmrgen.analysis.mobility.basis import IDENTITY, primitive
 from wmrgen.analysis.mobility.ranks import generic, independent, nominal_at, numeric_rank, to_array, unit_rows
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.models.polynomials import NEGLIGIBLE, angles_in, clean
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.models.polynomials import NEGLIGIBLE, angles_in, without_rounding
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import (
     View,
     driving_row,
@@ -54,13 +54,22 @@ Relation = tuple[Poly, ...]  # one entry per driven wheel
 
 
 def _driven(robot: Robot) -> list[Wheel]:
+    """Return the wheels with a driven spin."""
     return [w for w in robot.wheels if "spin" in w.actuated]
 
 
 def relations(robot: Robot, mobility: Mobility, view: View = working_view) -> list[Relation]:
-    """The independent rows w with w . spin = 0 of the driven wheels, steering held.
+    """Return the independent rows w with w . spin = 0 of the driven wheels, at constant steering angles.
 
-    A degenerate robot (skid-steer) keeps every twist, as its inverse does.
+    A degenerate robot (skid-steer) may drive every twist, as in its inverse.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        view: Which parameters are symbols.
+
+    Returns:
+        Rows with one entry per driven wheel.
     """
     driven = _driven(robot)
     columns = mobility.null_space_symbolic if view is symbolic_view else mobility.null_space
@@ -85,12 +94,12 @@ def relations(robot: Robot, mobility: Mobility, view: View = working_view) -> li
 
 
 def relation_matrix(robot: Robot, mobility: Mobility) -> sympy.Matrix:
-    """The rows w, one column per driven wheel, every named parameter a symbol."""
+    """Return the rows w, one column per driven wheel, with every named parameter as a symbol."""
     return matrix(relations(robot, mobility, symbolic_view), len(_driven(robot)))
 
 
 def _relation(basis: Sequence[tuple[Poly, ...]], other: tuple[Poly, ...], keep: Sequence[int]) -> list[Poly]:
-    """Cramer's rule: coefficients of the basis rows and of the other one, whose sum vanishes."""
+    """Return coefficients, by Cramer's rule, of the basis rows and another row, so that their sum is 0."""
     square = [[row[k] for k in keep] for row in basis]
     last = [other[k] for k in keep]
     replaced = ([*square[:k], last, *square[k + 1 :]] for k in range(len(square)))
@@ -98,8 +107,8 @@ def _relation(basis: Sequence[tuple[Poly, ...]], other: tuple[Poly, ...], keep: 
 
 
 def _readable(row: Sequence[Poly]) -> Relation:
-    """The row without rounding dust and common factors: leading coefficient 1."""
-    kept = clean(*row)
+    """Return the row without rounding errors and common factors, with leading coefficient 1."""
+    kept = without_rounding(*row)
     first = next(p for p in kept if p)
     ratios = [ratio_of(p, first, NEGLIGIBLE) if p else ZERO for p in kept]
     known = [Poly.of(ratio) for ratio in ratios if ratio is not None]
@@ -108,13 +117,14 @@ def _readable(row: Sequence[Poly]) -> Relation:
 
 @function("Tzafestas (2.84), the relation of its rows")
 def compatibility(robot: Robot, mobility: Mobility) -> Formula:
-    """Wheel speeds to the residual of each compatibility row: 0 where they agree."""
+    """Return the residual of each compatibility row for wheel speeds: 0 if the speeds are consistent."""
     driven, rows = _driven(robot), relations(robot, mobility)
     if not rows:
         raise underivable(
-            robot, "compatibility rows",
-            f"no driven wheel depends on others (driven: {', '.join(w.name for w in driven) or 'none'})",
-        )  # fmt: skip
+            robot,
+            "compatibility rows",
+            f"the driven wheel speeds are independent (driven: {', '.join(w.name for w in driven) or 'none'})",
+        )
     spins = [signal_poly(f"{w.name}.spin") for w in driven]
     outputs = []
     for k, row in enumerate(rows, 1):
@@ -123,34 +133,38 @@ def compatibility(robot: Robot, mobility: Mobility) -> Formula:
     steered = angles_in(tuple(p for row in rows for p in row))
     steers = [joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.name in steered]
     inputs = (*(joint_port(w, "spin", Role.COMMAND) for w in driven), *steers, *tunable_ports(robot))
-    text = "residuals of the wheel speeds of an over-actuated robot, steering held"
+    text = "residuals of the wheel speeds of an over-actuated robot, at constant steering angles"
     return Formula("compatibility", inputs, (), tuple(outputs), text)
 
 
 def _rim(w: Wheel, view: View) -> tuple[Poly, Poly]:
-    """Rim speed per velocity along x and y."""
+    """Return the rim speed per velocity along x and y."""
     g = view(w)
     row, over_cg = rolling_row(w, g).row, g.cg.inverse()
     return row[0] * over_cg, row[1] * over_cg
 
 
 def _require_translations(robot: Robot, mobility: Mobility) -> None:
-    """NotDerivableError where the rim speeds of the driven wheels do not fix every translation by constant rows."""
+    """Raise NotDerivableError if the rim speeds do not determine every translation by constant rows."""
     if mobility.degree_of_mobility != 3:
         why = f"it cannot translate in every direction (mobility {mobility.degree_of_mobility}, not 3)"
-        raise underivable(robot, "vaf", why)
+        raise underivable(robot, "vaf", why, Reason.MOBILITY)
     driven = _driven(robot)
     for w in driven:
         if w.turns:
-            raise underivable(robot, "vaf", f"the rim speed of {w.name} changes with its steering angle")
+            raise underivable(
+                robot, "vaf", f"the rim speed of {w.name} changes with its steering angle", Reason.AXLES
+            )
     rims = [[p.constant or ZERO for p in _rim(w, nominal_view)] for w in driven]
     if numeric_rank(to_array([[*rim, ZERO] for rim in rims]))[0] < 2:
-        raise underivable(robot, "vaf", "along some direction no driven wheel turns")
+        raise underivable(
+            robot, "vaf", "in one direction it can move without turning a driven wheel", Reason.NOT_DRIVEN
+        )
 
 
 @function("Tzafestas 2.4.1, (2.71)")
 def vaf(robot: Robot, mobility: Mobility) -> Formula:
-    """Direction of a translation in the robot frame to the velocity augmentation factor."""
+    """Return the velocity augmentation factor for the direction of a translation in the robot frame."""
     _require_translations(robot, mobility)
     names = Locals()
     c = names.define("cos_direction", sympy.cos(signal("direction")))

@@ -1,14 +1,15 @@
-"""`accelerations`: a twist and its derivative to joint speeds and accelerations, in closed form.
+"""Joint speeds and accelerations for a twist and its derivative, in closed form: `accelerations`.
 
 With vA the velocity of a steered wheel's pivot and ' its derivative in the robot frame,
 
-    steer_rate = (vA x vA') / |vA|^2            (0 at standstill and where a limit holds the wheel)
+    steer_rate = (vA x vA') / |vA|^2            (0 at standstill and at a limit of the angle)
     r spin = e . vA - o (omega + steer_rate)    r spin_rate = e . vA' + (n . vA) steer_rate - o (omega' + steer_rate')
 
-e and n point along and across the wheel at the angle that `inverse` commands. A lateral offset o needs the
-derivative of the steering rate, hence the second derivative of the twist: the inputs `vx_jerk`, `vy_jerk`,
-`omega_jerk` exist for such robots only. `spin` of such a wheel contains -o steer_rate, which `inverse` cannot
-know. A castor's rate obeys d steer_rate = -(n . vA + d omega) (Siegwart (3.18)); its derivative turns n with it.
+e and n point along and across the wheel at the angle that `inverse` commands. A lateral offset o needs the derivative
+of the steering rate, hence the second derivative of the twist: only robots with such a wheel have the inputs
+`vx_jerk`, `vy_jerk`, `omega_jerk`. The `spin` of such a wheel contains -o steer_rate, which `inverse` does not know. A
+castor's rate satisfies d steer_rate = -(n . vA + d omega) (Siegwart (3.18)); in its derivative n rotates with the
+castor.
 """
 
 from __future__ import annotations
@@ -32,12 +33,12 @@ from wmrgen.geometry.layout.records import Interval, Robot, Wheel
 from wmrgen.geometry.ports import TWIST, TWIST_NAMES, Port, Role, output
 from wmrgen.geometry.symbolic import Expr, add, expression, maximum, number, select, subtract, times
 
-RATES, JERKS = (
-    tuple(Port(f"{p.name}_{kind}", Role.COMMAND, f"{p.unit}^{power}", f"{text} of {p.name}") for p in TWIST)
-    for kind, power, text in (("rate", 2, "derivative"), ("jerk", 3, "second derivative"))
+RATES = tuple(Port(f"{p.name}_rate", Role.COMMAND, f"{p.unit}^2", f"derivative of {p.name}") for p in TWIST)
+JERKS = tuple(
+    Port(f"{p.name}_jerk", Role.COMMAND, f"{p.unit}^3", f"second derivative of {p.name}") for p in TWIST
 )
-AT_LIMIT = sympy.Rational(1, 10**6)  # rad: a command so near a limit is held by it
-SLOWEST = sympy.Rational(1, 10**6)  # m/s: a pivot as slow as this or slower counts as that fast
+AT_LIMIT = sympy.Rational(1, 10**6)  # rad: a command nearer to a limit is treated as at the limit
+SLOWEST = sympy.Rational(1, 10**6)  # m/s: a slower pivot is treated as this fast in divisors
 Jet = tuple[Expr, Expr, Expr]  # a value with its first and second derivative
 
 
@@ -50,15 +51,15 @@ class Motion(NamedTuple):
 
 
 class Turn(NamedTuple):
-    """Steering rate [rad/s] and its derivative [rad/s^2]."""
+    """The motion of a steering angle."""
 
-    rate: Expr
-    acceleration: Expr
+    rate: Expr  # rad/s
+    acceleration: Expr  # rad/s^2
 
 
 @function("Kelly (4.31) in the plane; Siegwart (3.18)")
 def accelerations(robot: Robot, mobility: Mobility) -> Formula:
-    """The twist, its derivative and the present steering angles to every joint's speed and acceleration."""
+    """Return every joint's speed and acceleration for the twist, its derivative and the present steering angles."""
     first = inverse(robot, mobility)
     names = Locals()
     commands = names.adopt(first, {})
@@ -76,11 +77,11 @@ def accelerations(robot: Robot, mobility: Mobility) -> Formula:
             outputs.append((joint_port(w, "steer", Role.COMMAND), commands[f"{w.name}.steer"]))
         if w.turns:
             outputs.append((joint_port(w, "steer_rate", Role.COMMAND), turns[w.index].rate))
-        if w.kind.swivels or _offset(w):
+        if w.kind.swivels or _beside_axis(w):
             port = output(f"{w.name}.steer_acceleration", "rad/s^2", "derivative of the steering rate")
             outputs.append((port, turns[w.index].acceleration))
     twist, rest = first.inputs[:3], first.inputs[3:]
-    jerks = JERKS if any(_offset(w) for w in robot.wheels) else ()
+    jerks = JERKS if any(_beside_axis(w) for w in robot.wheels) else ()
     return names.formula(
         "accelerations",
         (*twist, *RATES, *jerks, *rest),
@@ -89,13 +90,13 @@ def accelerations(robot: Robot, mobility: Mobility) -> Formula:
     )
 
 
-def _offset(w: Wheel) -> bool:
-    """True for a steered wheel whose contact lies beside its steering axis."""
+def _beside_axis(w: Wheel) -> bool:
+    """Return whether a wheel is steered and its contact is beside its steering axis."""
     return w.kind.steers and bool(working_view(w).steer_arm)
 
 
 def motion_of(driven: Row) -> Motion:
-    """The driven twist is linear in the commanded one with constant coefficients: so are its derivatives."""
+    """Return the driven twist with its derivatives: it is linear in the commanded twist."""
 
     def renamed(suffix: str) -> Row:
         def value(gen: Gen) -> Poly | None:
@@ -110,7 +111,7 @@ def motion_of(driven: Row) -> Motion:
 def _spins(
     robot: Robot, motion: Motion, turns: dict[int, Turn], commands: Mapping[str, Expr], names: Locals
 ) -> tuple[dict[int, Expr], dict[int, Expr]]:
-    """Wheel speeds and accelerations; coupled wheels share them in the least-squares sense."""
+    """Return wheel speeds and accelerations; coupled wheels share them in the least-squares sense."""
     now: dict[int, Joints] = {}
     rates: dict[int, Joints] = {}
     for w in robot.wheels:
@@ -119,7 +120,7 @@ def _spins(
             rim, change = _rims(w, motion, turns, commands, names)
             now[w.index], rates[w.index] = Joints(rim, radius), Joints(change, radius)
     speeds = spins(robot, now)
-    offset = {robot.spin_group[w.index] for w in robot.wheels if _offset(w)}
+    offset = {robot.spin_group[w.index] for w in robot.wheels if _beside_axis(w)}
     for w in robot.wheels:
         if w.has_spin and robot.spin_group[w.index] not in offset:
             speeds[w.index] = commands[f"{w.name}.spin"]
@@ -129,7 +130,7 @@ def _spins(
 def _rims(
     w: Wheel, motion: Motion, turns: dict[int, Turn], commands: Mapping[str, Expr], names: Locals
 ) -> tuple[Expr, Expr]:
-    """Rim speed [m/s] of a wheel and its derivative [m/s^2]."""
+    """Return the rim speed [m/s] of a wheel and its derivative [m/s^2]."""
     g = working_view(w)
     if not w.turns:
         row = rolling_row(w, g).row
@@ -149,7 +150,13 @@ def _rims(
 
 
 def speeds_at(w: Wheel, twist: Row, e: tuple[Poly, Poly]) -> Velocity:
-    """(e . vA, n . vA): the pivot's velocity along and across the rolling direction e."""
+    """Return (e . vA, n . vA): the pivot's velocity along and across the rolling direction e [m/s].
+
+    Args:
+        w: The wheel.
+        twist: The twist of P in the robot frame.
+        e: Cosine and sine of the rolling direction, robot frame.
+    """
     (a, b), (c, s) = pivot(w, twist), e
     return a * c + b * s, b * c - a * s
 
@@ -157,7 +164,19 @@ def speeds_at(w: Wheel, twist: Row, e: tuple[Poly, Poly]) -> Velocity:
 def steered_turns(
     robot: Robot, motion: Motion, commands: Mapping[str, Expr], names: Locals
 ) -> dict[int, Turn]:
-    """Rates of the angles that `inverse` commands: alone atan2 of vA, together half of a sum's double angle."""
+    """Return the rates of the angles that `inverse` commands.
+
+    For one wheel the angle is atan2 of vA; for wheels on one motor it is half the double angle of a sum.
+
+    Args:
+        robot: The robot.
+        motion: The twist and its derivatives.
+        commands: The outputs of `inverse` by name.
+        names: Takes the intermediate results.
+
+    Returns:
+        Steering rate and its derivative by wheel index.
+    """
     result: dict[int, Turn] = {}
     for members in robot.together("steer", (w for w in robot.wheels if w.kind.steers)):
         lead = members[0]
@@ -166,30 +185,31 @@ def steered_turns(
         alike = all(
             v == seen[0] and w.steer_sign == lead.steer_sign for w, v in zip(members, seen, strict=True)
         )
-        x, y = pairs[0] if alike else _doubled(pairs)
+        x, y = pairs[0] if alike else _double_angle(pairs)
         x, y = (_named(jet, f"{lead.name}_{axis}", names) for jet, axis in ((x, "along"), (y, "aside")))
         turn = _angle_rates(x, y, lead.name, names, sympy.S.One if alike else sympy.S.Half)
         limits = robot.limit(lead, "steer")
         if limits is not None:
-            turn = _held(names, lead, commands[f"{lead.name}.steer"], limits, turn)
+            turn = _zero_at_limits(names, lead, commands[f"{lead.name}.steer"], limits, turn)
         result |= {w.index: Turn(*(times(w.steer_sign, rate) for rate in turn)) for w in members}
     return result
 
 
 def _jets(velocities: tuple[Velocity, ...], sign: int) -> tuple[Jet, Jet]:
-    """Of a wheel that turns against the first of its set (``sign`` -1) the mirror image."""
+    """Return velocities along and across as jets; mirrored if the wheel turns against the first (``sign`` -1)."""
     along, across = zip(*velocities, strict=True)
     return triple(map(expression, along)), triple(expression(v.scale(Exact(sign))) for v in across)
 
 
 def _named(jet: Jet, name: str, names: Locals) -> Jet:
-    """A value and its first derivative as intermediate results."""
+    """Return a jet whose value and first derivative are intermediate results."""
     value, rate, second = jet
     return names.define(name, value), names.define(f"{name}_rate", rate), second
 
 
-def _doubled(pairs: list[tuple[Jet, Jet]]) -> tuple[Jet, Jet]:
-    """(sum of u^2 - v^2, sum of 2 u v) with two derivatives: the double of the common angle (see `steer_group`)."""
+def _double_angle(pairs: list[tuple[Jet, Jet]]) -> tuple[Jet, Jet]:
+    """Return (sum of u^2 - v^2, sum of 2 u v) with two derivatives: the double of the common angle (see
+    `steer_group`)."""
     differences = [tuple(map(subtract, _product(u, u), _product(v, v))) for u, v in pairs]
     products = [_product(u, v) for u, v in pairs]
     x = triple(add(*terms) for terms in zip(*differences, strict=True))
@@ -198,7 +218,7 @@ def _doubled(pairs: list[tuple[Jet, Jet]]) -> tuple[Jet, Jet]:
 
 
 def _product(a: Jet, b: Jet) -> Jet:
-    """Leibniz's rule."""
+    """Return the product of two jets by Leibniz's rule."""
     return (
         times(a[0], b[0]),
         add(times(a[1], b[0]), times(a[0], b[1])),
@@ -207,9 +227,9 @@ def _product(a: Jet, b: Jet) -> Jet:
 
 
 def _angle_rates(x: Jet, y: Jet, name: str, names: Locals, share: Expr) -> Turn:
-    """share times the first and second derivative of atan2(y, x); 0 where x and y are 0.
+    """Return share times the first and second derivative of atan2(y, x); 0 if x and y are 0.
 
-    The divisor is kept above a floor: a speed of `SLOWEST`, whose square x and y are where they are a double angle's.
+    The divisor has a lower bound: the square of the speed `SLOWEST`, or its fourth power for a double angle.
     """
     floor = SLOWEST**2 if share is sympy.S.One else SLOWEST**4
     moves = names.define(f"{name}_moves", add(times(x[0], x[0]), times(y[0], y[0])))
@@ -222,8 +242,8 @@ def _angle_rates(x: Jet, y: Jet, name: str, names: Locals, share: Expr) -> Turn:
     return Turn(rate, names.define(f"{name}_bent", bent))
 
 
-def _held(names: Locals, lead: Wheel, command: Expr, limits: Interval, turn: Turn) -> Turn:
-    """0 where the commanded angle is at a limit."""
+def _zero_at_limits(names: Locals, lead: Wheel, command: Expr, limits: Interval, turn: Turn) -> Turn:
+    """Return 0 if the commanded angle is at a limit, else the given motion."""
     target = names.define(f"{lead.name}_aimed", command)
     low, high = number(limits.low) + AT_LIMIT, number(limits.high) - AT_LIMIT
     rate, acceleration = (
@@ -237,14 +257,23 @@ def _held(names: Locals, lead: Wheel, command: Expr, limits: Interval, turn: Tur
 
 
 def castor_turns(robot: Robot, motion: Motion, names: Locals) -> dict[int, Turn]:
-    """Swivelling of castors; those turned by one motor share the least-squares rate."""
+    """Return the rates of castors; castors on one motor share the least-squares rate.
+
+    Args:
+        robot: The robot.
+        motion: The twist and its derivatives.
+        names: Takes the intermediate results.
+
+    Returns:
+        Steering rate and its derivative by wheel index.
+    """
     result: dict[int, Turn] = {}
     for members in robot.together("steer", (w for w in robot.wheels if w.kind.swivels)):
         offsets = [working_view(w).d for w in members]
         headings = [heading(w, working_view(w)) for w in members]
         now = [speeds_at(w, motion.twist, e) for w, e in zip(members, headings, strict=True)]
         then = [speeds_at(w, motion.rate, e) for w, e in zip(members, headings, strict=True)]
-        # n . vA + d omega and its derivative, in which n turns with the rate
+        # n . vA + d omega and its derivative, in which n rotates with the castor
         slides = [v + d * motion.twist[2] for (_, v), d in zip(now, offsets, strict=True)]
         rate = names.poly(f"{members[0].name}_rate", common_rate(offsets, slides))
         changes = [

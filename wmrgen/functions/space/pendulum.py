@@ -1,16 +1,17 @@
-"""`stability` of a robot on two wheels whose centre of gravity hangs below their axle (Siegwart 3.1.1; formulas ours).
+"""`stability` of a robot on two wheels whose centre of gravity is below their axle (Siegwart 3.1.1; formulas ours).
 
 Two contacts span no polygon. Sideways the robot tips over either wheel, about the line through the contact along which
-the wheel rolls. Lengthwise the body is a pendulum about the axle: radius d from the axle to the centre of gravity c,
-wheels of radius r and without mass. The ground pushes at the contacts alone, and nothing turns faster while the line
-of that force passes through c. Seen from the side, a line from the contacts at the angle phi from the vertical meets
-the circle on which c swings while
+the wheel rolls. Lengthwise the body is a pendulum about the axle. The distance from the axle to the centre of gravity
+c is d; the wheels have radius r and no mass. The ground pushes only at the contacts, and the body has no angular
+acceleration while the line of that force passes through c. Seen from the side, a line from the contacts at the angle
+phi from the vertical meets the circle on which c swings if
 
     |phi| <= asin(d/r),    and the lower of the two points,   s = r cos(phi) - sqrt(d**2 - r**2 sin(phi)**2)
 
-from the contacts, is the stable posture. Beyond, the body goes round: the wheels can push no harder than its weight
-holds. The margin lengthwise is asin(d/r) - |phi|; that of a wheel is the angle of `stability` at this posture, where
-c is at the height z = s cos(phi). The components of the force are those in the frame of the ground, not of the body.
+from the contacts, is the stable posture. At a larger angle the body rotates about the axle: the wheels push harder
+than its weight can balance. The lengthwise margin is asin(d/r) - |phi|. The margin of a wheel is the angle of
+`stability` at this posture, where c is at the height z = s cos(phi). The components of the force are in the frame of
+the ground, not of the body.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.functions.registry import underivable
+from wmrgen.functions.registry import Reason, underivable
 from wmrgen.functions.space.wheel_motion import AXES, FORCE, Vector, cross, dot, input_vector
 from wmrgen.geometry.layout.records import Point, Robot, Wheel
 from wmrgen.geometry.layout.skid import parallel
@@ -45,19 +46,19 @@ from wmrgen.geometry.symbolic import (
 )
 
 SWING = "swing.margin"
-_SAME = 1e-9  # relative: a distance from the axle line that counts as none
-_SMALLEST = sympy.Rational(1, 10**12)  # a divisor nearer to zero counts as this
+_SAME = 1e-9  # relative: a smaller distance from the axle line is treated as 0
+_SMALLEST = sympy.Rational(1, 10**12)  # the least size of a divisor
 
 
 class Axle(NamedTuple):
-    """Two wheels on one axle line, the right one first, seen along the direction in which they roll."""
+    """Two wheels on one axle line, seen along the direction in which they roll."""
 
     right: Wheel
     left: Wheel
 
 
 def axle(robot: Robot) -> Axle | None:
-    """The outer wheels of a robot that stands on fixed wheels of one axle line alone, in two places or more."""
+    """Return the outer wheels of a robot on fixed wheels of one axle line alone, at two places or more; else None."""
     wheels = robot.wheels
     if (
         len(wheels) < 2
@@ -74,54 +75,55 @@ def axle(robot: Robot) -> Axle | None:
     return Axle(wheels[first], wheels[last])
 
 
-class _Hanging(NamedTuple):
-    """``right``, ``left``: how far the centre of gravity is to the left of each contact; ``radius`` of the wheels;
-    ``arm``: from the axle to the centre of gravity [m]."""
+class _HangingBody(NamedTuple):
+    """The geometry of a body that hangs from its axle."""
 
-    right: Expr
-    left: Expr
-    radius: Expr
-    arm: Expr
+    right: Expr  # how far the centre of gravity is to the left of the right contact [m]
+    left: Expr  # how far the centre of gravity is to the left of the left contact [m]
+    radius: Expr  # of the wheels [m]
+    arm: Expr  # from the axle to the centre of gravity [m]
 
 
-def _hanging(robot: Robot, cg: Point, two: Axle) -> _Hanging:
-    """NotDerivableError where the body cannot hang."""
+def _hanging_body(robot: Robot, cg: Point, two: Axle) -> _HangingBody:
+    """Return the geometry. Raise NotDerivableError if the body cannot hang."""
     lowest = two.right.nominal.r - cg.z.nominal
     if len({w.working.r.key for w in robot.wheels}) > 1:
-        why = "it stands on one axle, and its wheels have radii of their own: the axle need not be level"
-        raise underivable(robot, "stability", why)
+        why = "it stands on one axle, and its wheels have different radii, so the axle may be inclined"
+        raise underivable(robot, "stability", why, Reason.AXLES)
     if lowest.sign <= 0:
         why = (
             f"its {len(robot.wheels)} contacts do not span a support polygon, and its centre of gravity is not below "
             "the axle: it stands only while a controller balances it.\n"
             "  A robot on one axle stands by itself if z of cg is less than the radius of its wheels."
         )
-        raise underivable(robot, "stability", why)
+        raise underivable(robot, "stability", why, Reason.CENTRE_OF_GRAVITY)
     g, n = two.right.working, two.right.nominal
     x, y, z = (length.working for length in cg)
     offset = (cg.x.nominal - n.x) * n.ch + (cg.y.nominal - n.y) * n.sh
     if (offset * offset + lowest * lowest - n.r * n.r).sign >= 0:
-        why = "its centre of gravity is as far from the axle as the ground is: the body cannot hang from the axle"
-        raise underivable(robot, "stability", why)
+        why = (
+            "its centre of gravity is as far from the axle as the ground: the body cannot hang from the axle"
+        )
+        raise underivable(robot, "stability", why, Reason.CENTRE_OF_GRAVITY)
     ahead = (x - g.x) * g.ch + (y - g.y) * g.sh
     right, left = ((y - w.working.y) * g.ch - (x - w.working.x) * g.sh for w in two)
     arm = root(expression(ahead * ahead + (g.r - z) * (g.r - z)))
-    return _Hanging(expression(right), expression(left), expression(g.r), arm)
+    return _HangingBody(expression(right), expression(left), expression(g.r), arm)
 
 
 def hanging_stability(robot: Robot, cg: Point, two: Axle) -> Formula:
-    """Specific force to the margins of a robot that hangs from its axle: see above.
+    """Return the margins of a robot that hangs from its axle for a specific force: see above.
 
     Args:
-        robot: a robot on fixed wheels of one axle.
-        cg: its centre of gravity in the posture of the robot file [m].
-        two: its outer wheels.
+        robot: A robot on fixed wheels of one axle.
+        cg: Its centre of gravity in the posture of the robot file [m].
+        two: Its outer wheels.
 
     Returns:
-        ``<wheel>.margin``, ``swing.margin`` and ``margin`` [rad]; ranges of fx and fy [m/s^2] if the wheels roll
-        along x or y.
+        A function with ``<wheel>.margin``, ``swing.margin`` and ``margin`` [rad], and ranges of fx and fy [m/s^2] if
+        the wheels roll along x or y.
     """
-    body, names = _hanging(robot, cg, two), Locals()
+    body, names = _hanging_body(robot, cg, two), Locals()
     g = two.right.working
     c, s = expression(g.ch), expression(g.sh)
     fx, fy, fz = input_vector("f")
@@ -140,20 +142,20 @@ def hanging_stability(robot: Robot, cg: Point, two: Axle) -> Formula:
     leaning = absolute(angle_of(force[0], fz))
     margins.append(names.define("swing", subtract(steepest, leaning)))
     texts = [f"{w.name}.margin" for w in two]
-    ports = [output(name, "rad", "tilt left about the contact of this wheel") for name in texts]
-    ports.append(output(SWING, "rad", "lean of the force that is left before the body goes round its axle"))
+    ports = [output(name, "rad", "remaining tilt about the contact of this wheel") for name in texts]
+    ports.append(output(SWING, "rad", "remaining lean of the force before the body rotates about its axle"))
     outputs = list(zip(ports, margins, strict=True))
     least = minimum(margins[2], minimum(margins[0], margins[1]))
-    outputs.append((output("margin", "rad", "least of all, negative: tips over"), least))
+    outputs.append((output("margin", "rad", "smallest margin; negative: tips over"), least))
     outputs += _ranges(two, body, force, height, arm, names)
     return names.formula(
         "stability", (*FORCE, *tunable_ports(robot)), outputs,
-        "specific force to the angle that is left before the robot tips over either wheel or its body goes round",
+        "specific force to the remaining angle before the robot tips over a wheel or its body rotates",
     )  # fmt: skip
 
 
 def _height(force: Vector, radius: Expr, arm: Expr, names: Locals) -> Expr:
-    """z = cos(phi) (r cos(phi) - sqrt(d**2 - r**2 sin(phi)**2)), sizes times that of the force."""
+    """Return z = cos(phi) (r cos(phi) - sqrt(d**2 - r**2 sin(phi)**2)) for the direction of the force."""
     size = names.define("f_size", at_least(add(square(force[0]), square(force[2])), _SMALLEST))
     below = subtract(times(square(arm), size), square(times(radius, force[0])))
     hanging = subtract(times(radius, force[2]), root(maximum(sympy.S.Zero, below)))
@@ -161,17 +163,18 @@ def _height(force: Vector, radius: Expr, arm: Expr, names: Locals) -> Expr:
 
 
 def _margin(f: Vector, m: Vector) -> Expr:
-    """As in `stability`."""
+    """Return the margin of a plane, as in `stability`."""
     return angle_of(times(-1, dot(f, m)), norm(*cross(f, m)))
 
 
 def _ranges(
-    two: Axle, body: _Hanging, force: Vector, height: Expr, arm: Expr, names: Locals
+    two: Axle, body: _HangingBody, force: Vector, height: Expr, arm: Expr, names: Locals
 ) -> list[tuple[Port, Expr]]:
-    """The ranges of fx and fy in which the robot stands, the rest as given; none where the wheels roll askew.
+    """Return the ranges of fx and fy in which the robot stands; none if the wheels roll neither along x nor y.
 
-    Across, the line of the force must meet the ground between the wheels: right >= z f_left/fz >= left. Along, the
-    same bounds z from above, and on the lower arc of the circle z grows with the lean of the force.
+    The other components are as given. Across, the line of the force must meet the ground between the wheels: right >=
+    z f_left/fz >= left. Along, the same condition bounds z from above, and on the lower arc of the circle z grows with
+    the lean of the force.
     """
     n = two.right.nominal
     if n.ch and n.sh:
@@ -191,9 +194,9 @@ def _ranges(
     swing = root(maximum(sympy.S.Zero, subtract(square(arm), square(subtract(radius, ceiling)))))
     most = names.define("most", over(times(force[2], swing), at_least(ceiling, _SMALLEST)))
     bounds = {along: (times(-1, most), most), across: (low, high)}
-    text = "f{0} at which the robot tips over, the rest as given"
-    return [
-        (output(f"f{AXES[k]}_{end}", "m/s^2", text.format(AXES[k])), value)
-        for k in (0, 1)
-        for end, value in zip(("min", "max"), bounds[k], strict=True)
-    ]
+    text = "f{0} at which the robot tips over, other components as given"
+    ranges = []
+    for k in (0, 1):
+        for end, value in zip(("min", "max"), bounds[k], strict=True):
+            ranges.append((output(f"f{AXES[k]}_{end}", "m/s^2", text.format(AXES[k])), value))
+    return ranges

@@ -1,18 +1,18 @@
-"""`stability`: how far a robot is from tipping over, by the margins of its support polygon (after Kelly 4.1.3).
+"""How far a robot is from tipping over: `stability`, the margins of its support polygon (after Kelly 4.1.3).
 
-The specific force t = a - g at the centre of gravity c (x forward, y left, z up; at rest (0, 0, 9.81)) is what the
-ground gives. The robot stands while the ray from c along -t meets the support polygon. The texts give this
-criterion and no formula; the margin is ours: for the edge from contact p to contact q, counter-clockwise,
+The specific force t = a - g at the centre of gravity c (x forward, y left, z up; at rest (0, 0, 9.81)) is the force of
+the ground per mass. The robot stands while the ray from c along -t meets the support polygon. The texts give this
+criterion and no formula; the margin is ours. For the edge from contact p to contact q, counter-clockwise,
 
     M = (c - p) x (q - p),    margin = atan2(-t . M, |t x M|)
 
-which is the angle from the plane through c and the edge to -t: positive inside, 0 where the wheels of the other
-edges lift off about this one, at most pi/2. The robot's margin is the least of its edges.
+which is the angle from the plane through c and the edge to -t. It is positive inside, 0 if the wheels of the other
+edges lift off about this edge, and at most pi/2. The robot's margin is the smallest margin of its edges.
 
 The support polygon's edges are pairs of contacts, counter-clockwise. Contacts of castors and of offset wheels move on
-circles about their steering axes. Whether three contacts turn left is decided now where no motion changes it, exactly
-for contacts that stand still; what is left becomes a condition on the steering angles. Tunable lengths count at their
-nominal values here; margins follow the tuned ones.
+circles about their steering axes. Whether three contacts turn left is decided here if no steering changes it, exactly
+for contacts that do not move. Otherwise it becomes a condition on the steering angles. This decision uses nominal
+values of tunable lengths; the margins use the tuned values.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.registry import function, underivable
+from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.functions.space.pendulum import axle, hanging_stability
 from wmrgen.functions.space.wheel_motion import (
     AXES,
@@ -58,30 +58,31 @@ from wmrgen.geometry.symbolic import (
     times,
 )
 
-NONE = sympy.Integer(10**9)  # a limit [m/s^2] that does not exist
-_TINY = sympy.Rational(1, 10**12)  # a slope, or a distance from a line, that counts as none
-_TOLERANCE = 1e-9  # relative: such a triangle is a line
+NONE = sympy.Integer(10**9)  # [m/s^2]: no limit
+_TINY = sympy.Rational(1, 10**12)  # a smaller slope or distance from a line is treated as 0
+_TOLERANCE = 1e-9  # relative: a triangle with a smaller area is a line
 
 
 class Spot(NamedTuple):
-    """A contact: where it is (symbols), the centre of its circle and the radius of it [m]."""
+    """A contact with the circle on which it moves."""
 
     wheel: Wheel
-    x: Expr
-    y: Expr
-    centre: tuple[Exact, Exact]
-    reach: float
+    x: Expr  # an expression [m]
+    y: Expr  # an expression [m]
+    centre: tuple[Exact, Exact]  # centre of its circle, nominal [m]
+    reach: float  # radius of its circle [m]
 
 
 class Edge(NamedTuple):
-    """From contact ``start`` to contact ``end``, wherever every contact of ``unless_right`` lies to its left."""
+    """A possible edge of the polygon: it is one if every contact of ``unless_right`` is to its left."""
 
     start: Spot
     end: Spot
-    unless_right: tuple[Spot, ...]
+    unless_right: tuple[Spot, ...]  # contacts that the steering may move to the right of it
 
 
 def _spot(w: Wheel, names: Locals) -> Spot:
+    """Return the contact of a wheel."""
     g, n = working_view(w), w.nominal
     if not (w.turns and (g.d or g.o)):
         (ax, ay), (bx, by) = arm(g, g.ch, g.sh), arm(n, n.ch, n.sh)
@@ -92,20 +93,23 @@ def _spot(w: Wheel, names: Locals) -> Spot:
 
 
 def edges(robot: Robot, places: list[Spot]) -> list[Edge]:
-    """Every pair that is an edge of the polygon, at least for some steering. NotDerivableError without a polygon."""
+    """Return every pair that is an edge of the polygon for some steering. Raise NotDerivableError without a polygon."""
     pairs = ((a, b) for a in places for b in places if a is not b)
     result = [edge for a, b in pairs if (edge := _edge(a, b, places)) is not None]
     if len({e.start.wheel.index for e in result}) < 3:
         raise underivable(
-            robot, "stability", f"its {len(places)} contacts do not span a support polygon; "
+            robot,
+            "stability",
+            f"its {len(places)} contacts do not span a support polygon; "
             "a robot stands on at least three contacts that are not in one line",
-        )  # fmt: skip
+            Reason.NO_POLYGON,
+        )
     return result
 
 
 def _edge(a: Spot, b: Spot, places: list[Spot]) -> Edge | None:
-    """a -> b, with the contacts that must lie left of it at run time; None where one lies right of it now."""
-    if _same(a, b):
+    """Return a -> b with the contacts that must be to its left at run time; None if one is always to its right."""
+    if _coincide(a, b):
         return None
     undecided = []
     for c in places:
@@ -119,14 +123,14 @@ def _edge(a: Spot, b: Spot, places: list[Spot]) -> Edge | None:
     return Edge(a, b, tuple(undecided))
 
 
-def _same(a: Spot, b: Spot) -> bool:
-    """True for contacts that stand in one place."""
-    return not (a.reach or b.reach) and math.hypot(*map(float, _arrow(a, b))) < _TOLERANCE
+def _coincide(a: Spot, b: Spot) -> bool:
+    """Return whether two contacts are at one place."""
+    return not (a.reach or b.reach) and math.hypot(*map(float, _between_centres(a, b))) < _TOLERANCE
 
 
 def _side(a: Spot, b: Spot, c: Spot) -> int | None:
-    """1 where c is left of a -> b, -1 right, 0 in line with it; None where that depends on the steering."""
-    (ux, uy), (wx, wy) = _arrow(a, b), _arrow(a, c)
+    """Return 1 if c is left of a -> b, -1 right, 0 in line with it; None if that depends on the steering."""
+    (ux, uy), (wx, wy) = _between_centres(a, b), _between_centres(a, c)
     area = float(ux * wy - uy * wx)
     u, w = math.hypot(float(ux), float(uy)), math.hypot(float(wx), float(wy))
     du, dw = a.reach + b.reach, a.reach + c.reach
@@ -136,34 +140,38 @@ def _side(a: Spot, b: Spot, c: Spot) -> int | None:
     return None if du or dw else 0
 
 
-def _arrow(a: Spot, b: Spot) -> tuple[Exact, Exact]:
+def _between_centres(a: Spot, b: Spot) -> tuple[Exact, Exact]:
+    """Return the vector from the centre of a to the centre of b."""
     return b.centre[0] - a.centre[0], b.centre[1] - a.centre[1]
 
 
 def _between(a: Spot, b: Spot, c: Spot) -> bool:
-    """True where c, in line with a -> b, needs no edge of its own: inside, or a later wheel at an end."""
+    """Return whether c, in line with a -> b, needs no edge of its own: inside, or a later wheel at an end."""
     for end in (a, b):
-        if _same(end, c):
+        if _coincide(end, c):
             return c.wheel.index > end.wheel.index
-    (ux, uy), (wx, wy) = _arrow(a, b), _arrow(a, c)
+    (ux, uy), (wx, wy) = _between_centres(a, b), _between_centres(a, c)
     reached = ux * wx + uy * wy
     return reached > ZERO and reached < ux * ux + uy * uy
 
 
 class _Plane(NamedTuple):
-    """The plane through the centre of gravity and an edge of the support polygon.
-
-    ``normal``: M, pointing inwards along the ground. ``inside``: not negative where the two contacts make an edge;
-    None where they always do.
-    """
+    """The plane through the centre of gravity and an edge of the support polygon."""
 
     edge: Edge
-    name: str
-    normal: Vector
-    inside: Expr | None
+    name: str  # prefix of the names of results
+    normal: Vector  # M, pointing inwards along the ground
+    inside: Expr | None  # not negative if the two contacts make an edge; None if they always do
 
     def where_edge(self, value: Expr, otherwise: Expr, suffix: str, names: Locals) -> Expr:
-        """``value`` where the pair is an edge; contacts in line with it, to rounding, do not matter."""
+        """Return a value that is valid only if the pair is an edge.
+
+        Args:
+            value: The value for an edge. Contacts in line with it, up to rounding, make no difference.
+            otherwise: The value if the pair is no edge.
+            suffix: The end of the name of the result.
+            names: Takes the intermediate result.
+        """
         if self.inside is not None:
             value = select(self.inside, times(-1, _TINY), otherwise, value)
         return names.define(f"{self.name}_{suffix}", value)
@@ -171,8 +179,10 @@ class _Plane(NamedTuple):
 
 @function("criterion of Kelly 4.1.3; the margin is ours", contacts=True)
 def stability(robot: Robot, _: Mobility) -> Formula:
-    """Specific force and present steering angles to the margin of every edge of the support polygon; for a robot on
-    one axle that hangs below it, see `pendulum`."""
+    """Return the margin of every edge of the support polygon for a specific force and steering angles.
+
+    For a robot on one axle whose body hangs below it, see `pendulum`.
+    """
     c = centre_of_gravity(robot, "stability")
     two = axle(robot)
     if two is not None and robot.cg is not None:
@@ -189,24 +199,26 @@ def stability(robot: Robot, _: Mobility) -> Formula:
             least = names.define(f"{place.wheel.name}_least", reduce(minimum, margins))
             outputs.append((_edge_port([plane.edge for plane in own]), least))
     margin = reduce(minimum, [value for _, value in outputs])
-    outputs.append((output("margin", "rad", "least of all edges, negative: tips over"), margin))
+    outputs.append((output("margin", "rad", "smallest margin of all edges; negative: tips over"), margin))
     outputs += [entry for axis in (0, 1) for entry in _range(axis, force, planes, names)]
     steers = tuple(joint_port(p.wheel, "steer", Role.STATE) for p in places if p.reach)
     return names.formula(
         "stability",
         (*FORCE, *steers, *tunable_ports(robot)),
         outputs,
-        "specific force to the angle that is left before the robot tips over, per edge of its support polygon",
+        "specific force to the remaining angle before the robot tips over, per edge of its support polygon",
     )
 
 
 def _edge_port(own: list[Edge]) -> Port:
+    """Return the output for the margin of the edges that start at one contact."""
     ends = " or ".join(e.end.wheel.name for e in own)
     some = "; pi while this wheel is inside" if all(e.unless_right for e in own) else ""
     return output(f"{own[0].start.wheel.name}.margin", "rad", f"edge to {ends}{some}")
 
 
 def _plane(e: Edge, c: Vector, names: Locals) -> _Plane:
+    """Return the plane of an edge."""
     p, q = e.start, e.end
     name = f"edge{p.wheel.index}to{q.wheel.index}"
     along: Vector = (subtract(q.x, p.x), subtract(q.y, p.y), sympy.S.Zero)
@@ -221,13 +233,14 @@ def _plane(e: Edge, c: Vector, names: Locals) -> _Plane:
 
 
 def _margin(f: Vector, m: Vector) -> Expr:
+    """Return the angle from the plane to the force."""
     return angle_of(times(-1, dot(f, m)), norm(*cross(f, m)))
 
 
 def _range(axis: int, f: Vector, planes: list[_Plane], names: Locals) -> list[tuple[Port, Expr]]:
-    """The range of one horizontal component of the force in which the robot stands, the other two as given.
+    """Return the range of one horizontal component of the force in which the robot stands, the others as given.
 
-    Each edge asks t . M <= 0, which is linear in the component.
+    Each edge requires t . M <= 0, which is linear in the component.
     """
     letter = AXES[axis]
     lows, highs = [], []
@@ -239,7 +252,7 @@ def _range(axis: int, f: Vector, planes: list[_Plane], names: Locals) -> list[tu
         low = select(_TINY, down, times(-1, rest, 1 / maximum(down, _TINY)), times(-1, NONE))
         highs.append(plane.where_edge(high, NONE, f"high{letter}", names))
         lows.append(plane.where_edge(low, times(-1, NONE), f"low{letter}", names))
-    text = f"f{letter} at which the robot tips over, the rest as given; 1e9: never"
+    text = f"f{letter} at which the robot tips over, other components as given; 1e9: never"
     return [
         (output(f"f{letter}_min", "m/s^2", text), reduce(maximum, lows)),
         (output(f"f{letter}_max", "m/s^2", text), reduce(minimum, highs)),
@@ -247,7 +260,7 @@ def _range(axis: int, f: Vector, planes: list[_Plane], names: Locals) -> list[tu
 
 
 def polygon(robot: Robot, steer: Mapping[str, float]) -> tuple[str, ...]:
-    """The wheels at the corners of the support polygon at given steering angles [rad], counter-clockwise."""
+    """Return the wheels at the corners of the support polygon at steering angles [rad], counter-clockwise."""
     angles = {w.name: steer.get(w.name, 0.0) if w.turns else 0.0 for w in robot.wheels}
     return tuple(
         _hull({w.name: w.contact(w.zero_heading * cmath.rect(1, angles[w.name])) for w in robot.wheels})
@@ -255,7 +268,7 @@ def polygon(robot: Robot, steer: Mapping[str, float]) -> tuple[str, ...]:
 
 
 def _hull(points: dict[str, complex]) -> list[str]:
-    """Andrew's monotone chain."""
+    """Return the convex hull by Andrew's monotone chain."""
     order = sorted(points, key=lambda name: (points[name].real, points[name].imag))
 
     def half(names: list[str]) -> list[str]:
@@ -270,6 +283,6 @@ def _hull(points: dict[str, complex]) -> list[str]:
 
 
 def _left(a: complex, b: complex, c: complex) -> bool:
-    """True where c lies left of a -> b."""
+    """Return whether c is left of a -> b."""
     u, w = b - a, c - a
     return (u.conjugate() * w).imag > _TOLERANCE * abs(u) * abs(w)

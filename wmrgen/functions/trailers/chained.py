@@ -1,11 +1,11 @@
 """Chained form z1' = u1, z2' = u2, z3' = z2 u1, ..., zn' = z_(n-1) u1 (Tzafestas (2.58)), and Brockett's integrator.
 
-Type (2, 0) without trailers takes (2.62), (2.63): z1 = theta, everywhere. A car takes (2.66)-(2.69), and N trailers
-coupled on the axle the construction of Sordalen (1993): z1 and zn are the position of the last axle, and
-z_(k-1) = dz_k/dz_1 along its path (module `series`), where cos theta_N and the cosines of all hitch angles
-are not 0. u1, u2 to the robot's own inputs is `chained_input`, the way back `chained_rates`.
+A robot of type (2, 0) without trailers has (2.62), (2.63): z1 = theta, everywhere. A car has (2.66)-(2.69). With N
+trailers coupled on the axle the construction is that of Sordalen (1993): z1 and zn are the position of the last axle,
+and z_(k-1) = dz_k/dz_1 along its path (module `series`). It requires that cos theta_N and the cosines of all hitch
+angles are not 0. `chained_input` converts u1, u2 to the robot's own inputs; `chained_rates` is its inverse.
 
-Brockett's integrator x1' = u1, x2' = u2, x3' = x1 u2 - x2 u1 of a (2, 0) robot comes from its (2,3) chain, with the
+Brockett's integrator x1' = u1, x2' = u2, x3' = x1 u2 - x2 u1 of a (2, 0) robot follows from its (2,3) chain with the
 same inputs: x1 = z1, x2 = z2, x3 = -2 z3 + z1 z2 (Tzafestas (2.64), (2.65)).
 """
 
@@ -18,8 +18,7 @@ import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
-from wmrgen.functions.registry import function
+from wmrgen.functions.registry import Reason, UnderivableError, function
 from wmrgen.functions.trailers.train import TrainTerms, V, terms_of, train
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.ports import TWIST, Port, output
@@ -37,12 +36,14 @@ U = (
 
 
 def _states(letter: str, values: Iterable[Expr], form: str) -> Outputs:
+    """Return the values as outputs: states of a form."""
     return tuple(
         (output(f"{letter}{k}", "", f"state {k} of {form}"), value) for k, value in enumerate(values, 1)
     )
 
 
 def _rates(letter: str, values: Iterable[Expr]) -> Outputs:
+    """Return the values as outputs: rates of states."""
     return tuple(
         (output(f"{letter}{k}_rate", "1/s", f"rate of {letter}{k}"), value)
         for k, value in enumerate(values, 1)
@@ -50,14 +51,14 @@ def _rates(letter: str, values: Iterable[Expr]) -> Outputs:
 
 
 def _formula(name: str, w: TrainTerms, inputs: tuple[Port, ...], outputs: Outputs, text: str) -> Formula:
-    """A function of the state and of ``inputs``, with what has been written down for it."""
+    """Return a function of the state and of ``inputs`` with the intermediate results of the train."""
     ports = (*w.train.state, *inputs, *tunable_ports(w.train.robot))
     return w.names.formula(name, ports, outputs, text)
 
 
 @function(SOURCE)
 def chained(robot: Robot, mobility: Mobility) -> Formula:
-    """x y theta, steering, trailers to z1 ... zn."""
+    """Return z1 ... zn for x y theta, steering and trailers."""
     w = terms_of(train(robot, mobility))
     outputs = _states("z", _coordinates(w), "the chain")
     cite = "Tzafestas (2.62)" if w.train.by_heading else "Tzafestas (2.66), Sordalen (1993)"
@@ -65,7 +66,7 @@ def chained(robot: Robot, mobility: Mobility) -> Formula:
 
 
 def _coordinates(w: TrainTerms) -> tuple[Expr, ...]:
-    """z1 ... zn in the state."""
+    """Return z1 ... zn in terms of the state."""
     if w.path is None:
         along = add(times(w.x, w.cosine), times(w.y, w.sine))
         to_the_right = subtract(times(w.x, w.sine), times(w.y, w.cosine))
@@ -76,18 +77,18 @@ def _coordinates(w: TrainTerms) -> tuple[Expr, ...]:
 
 @function(SOURCE)
 def chained_input(robot: Robot, mobility: Mobility) -> Formula:
-    """State and u1, u2 to v, the steering rate, and the twist of P that `inverse` turns into wheel commands."""
+    """Return v, the steering rate and the twist of P for a state and u1, u2; `inverse` takes the twist."""
     w = terms_of(train(robot, mobility))
     u1, u2 = (signal(p.name) for p in U)
     v, turning = _own_inputs(w, u1, u2)
     v = w.names.define("axle_speed", v)
     outputs = _commands(w, v, turning)
-    text = "inputs of the chain to those of the robot; " + ("(2.63)" if w.path is None else "(2.68)")
+    text = "inputs of the chain to inputs of the robot; " + ("(2.63)" if w.path is None else "(2.68)")
     return _formula("chained_input", w, U, outputs, text)
 
 
 def _own_inputs(w: TrainTerms, u1: Expr, u2: Expr) -> tuple[Expr, Expr]:
-    """v, and the yaw rate or the steering rate."""
+    """Return v, and the yaw rate or the steering rate."""
     p = w.path
     if p is None:
         return add(u2, times(u1, _coordinates(w)[2])), u1
@@ -97,7 +98,7 @@ def _own_inputs(w: TrainTerms, u1: Expr, u2: Expr) -> tuple[Expr, Expr]:
 
 
 def _commands(w: TrainTerms, v: Expr, turning: Expr) -> Outputs:
-    """v, vx, vy, omega of P and the steering rate, where there is one."""
+    """Return v, vx, vy, omega of P and the steering rate, if there is one."""
     omega = turning if w.curvature is None else times(w.curvature, v)
     omega = w.names.define("yaw_rate", omega)
     twist = (*w.train.axle.velocity_of_p(v, omega), omega)
@@ -107,7 +108,7 @@ def _commands(w: TrainTerms, v: Expr, turning: Expr) -> Outputs:
 
 @function(SOURCE)
 def chained_rates(robot: Robot, mobility: Mobility) -> Formula:
-    """State and the robot's own inputs (v and the yaw or steering rate) to z1' ... zn'; u1, u2 are the first two."""
+    """Return z1' ... zn' for a state, v and the yaw or steering rate; u1, u2 are the first two."""
     w = terms_of(train(robot, mobility))
     u1, u2 = _chain_inputs(w, signal("v"), signal(w.train.turning.name))
     z = _coordinates(w)
@@ -118,7 +119,7 @@ def chained_rates(robot: Robot, mobility: Mobility) -> Formula:
 
 
 def _chain_inputs(w: TrainTerms, v: Expr, turning: Expr) -> tuple[Expr, Expr]:
-    """u1, u2 of the robot's own inputs."""
+    """Return u1, u2 for the robot's own inputs."""
     p = w.path
     if p is None:
         return turning, subtract(v, times(_coordinates(w)[2], turning))
@@ -128,23 +129,26 @@ def _chain_inputs(w: TrainTerms, v: Expr, turning: Expr) -> tuple[Expr, Expr]:
 
 
 def _chain_of_three(robot: Robot, mobility: Mobility) -> TrainTerms:
+    """Return the terms of a (2,3) chain. Raise NotDerivableError for any other robot."""
     t = train(robot, mobility, what=INTEGRATOR)
     if not t.by_heading:
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{robot.name}: {INTEGRATOR} is equivalent to the (2,3) chain of a (2, 0) robot without trailers "
-            f"(Tzafestas (2.65)); this one has {t.size} states and becomes the (2,{t.size}) chain: `chained`"
+            f"(Tzafestas (2.65)); this robot has {t.size} states, and its form is the (2,{t.size}) chain: `chained`",
+            Reason.ROBOT_TYPE,
         )
     return terms_of(t)
 
 
 def _integrator(w: TrainTerms) -> tuple[Expr, Expr, Expr]:
+    """Return x1, x2, x3."""
     z1, z2, z3 = (w.names.define(f"chain_z{k}", z) for k, z in enumerate(_coordinates(w), 1))
     return z1, z2, add(times(sympy.Integer(-2), z3), times(z1, z2))
 
 
 @function(BROCKETT_SOURCE)
 def brockett(robot: Robot, mobility: Mobility) -> Formula:
-    """x y theta to x1 x2 x3 (Tzafestas (2.64))."""
+    """Return x1 x2 x3 for x y theta (Tzafestas (2.64))."""
     w = _chain_of_three(robot, mobility)
     outputs = _states("x", _integrator(w), INTEGRATOR)
     return _formula("brockett", w, (), outputs, "state of Brockett's integrator; Tzafestas (2.64)")
@@ -152,7 +156,7 @@ def brockett(robot: Robot, mobility: Mobility) -> Formula:
 
 @function(BROCKETT_SOURCE)
 def brockett_rates(robot: Robot, mobility: Mobility) -> Formula:
-    """x y theta, v, omega to x1' x2' x3' (Tzafestas (2.65)); u1, u2 are the first two."""
+    """Return x1' x2' x3' for x y theta, v, omega (Tzafestas (2.65)); u1, u2 are the first two."""
     w = _chain_of_three(robot, mobility)
     x1, x2, _ = _integrator(w)
     u1, u2 = _chain_inputs(w, signal("v"), signal("omega"))
@@ -164,7 +168,7 @@ def brockett_rates(robot: Robot, mobility: Mobility) -> Formula:
 
 @function(BROCKETT_SOURCE)
 def brockett_input(robot: Robot, mobility: Mobility) -> Formula:
-    """x y theta, u1, u2 to v, vx, vy, omega: the inputs are those of the chain."""
+    """Return v, vx, vy, omega for x y theta, u1, u2: the inputs are those of the chain."""
     _chain_of_three(robot, mobility)
-    text = "inputs of Brockett's integrator to those of the robot; (2.63), (2.65)"
+    text = "inputs of Brockett's integrator to inputs of the robot; (2.63), (2.65)"
     return replace(chained_input(robot, mobility), name="brockett_input", text=text)

@@ -1,8 +1,8 @@
-"""The chained form on a sheet of paper: transformation, inputs, domain, and the check that it holds.
+"""The chained form on one page: transformation, inputs, domain, and the check that it is correct.
 
 The check takes exact derivatives at rational points. The rates of the state come from the posture model and the
-trailers, which know nothing of chains; those of z by differentiating the formula `chained` along them. Equality is
-decided in exact arithmetic, not to a tolerance.
+trailers, which do not use the chained form. The rates of z come from differentiating the formula `chained` along them.
+Equality is decided in exact arithmetic, without a tolerance.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, parameter_ports, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.inputs import eta_motion
 from wmrgen.functions.models.sheet import Equation, Sheet, tidy
 from wmrgen.functions.models.vector_fields import at_point, by_state, to_poly
+from wmrgen.functions.registry import Reason, UnderivableError
 from wmrgen.functions.system import Domain
 from wmrgen.functions.trailers.chained import U, chained, chained_input, chained_rates
 from wmrgen.functions.trailers.trailer import towing_system
@@ -29,13 +29,13 @@ from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.ports import POSE, Port
 from wmrgen.geometry.symbolic import AtLeast, Expr, expression, local, rotated, signal
 
-POINTS = 3
-MANY_TRAILERS = 8  # beyond, one exact point takes seconds
-MOST_TERMS = 40  # a derivative with more is not written out
+POINTS = 3  # rational points of a check
+MANY_TRAILERS = 8  # with more trailers one exact point takes seconds
+MOST_TERMS = 40  # a derivative with more terms is not written out: it fills a page
 
 
 def chained_sheet(robot: Robot, mobility: Mobility) -> Sheet:
-    """z1 ... zn and the robot's own inputs in closed form, as long as they can be written out."""
+    """Return the page: z1 ... zn and the robot's own inputs in closed form, as far as they are short enough."""
     t = train(robot, mobility, symbolic=True)
     checked = verify(robot, mobility, POINTS if len(robot.trailers) <= MANY_TRAILERS else 1)
     where, equations, domain = ([], _by_heading(t), []) if t.by_heading else _by_position(t)
@@ -47,7 +47,7 @@ def chained_sheet(robot: Robot, mobility: Mobility) -> Sheet:
 
 
 def _by_heading(t: Train) -> list[Equation]:
-    """Tzafestas (2.62), (2.63)."""
+    """Return the equations if z1 is the heading: Tzafestas (2.62), (2.63)."""
     theta, (x, y) = signal("theta"), last_axle(t)
     c, s = t.axle.turned(sympy.cos(theta), sympy.sin(theta))
     u1, u2 = (signal(p.name) for p in U)
@@ -57,7 +57,7 @@ def _by_heading(t: Train) -> list[Equation]:
 
 
 def _by_position(t: Train) -> tuple[list[Equation], list[Equation], list[Domain]]:
-    """Tzafestas (2.66)-(2.69); Sordalen (1993) with trailers, derivatives taken one by one."""
+    """Return the equations for a car or trailers: Tzafestas (2.66)-(2.69); Sordalen (1993)."""
     path, domain = _path(t)
     where = []
     bend: Expr = sympy.S.One  # dbeta/dkappa
@@ -69,24 +69,21 @@ def _by_position(t: Train) -> tuple[list[Equation], list[Equation], list[Domain]
         divisor = x * cosine + y * sine
         bend = divisor**2 / x
         where.append(Equation("kappa", tidy(sine / divisor)))
-        lost = f"the steering angle of `{s.name}` asks for an infinite curvature"
+        lost = f"the steering angle of `{s.name}` gives an infinite curvature"
         domain.insert(1, Domain(tidy(divisor), lost))
     return where, [*_transformation(t, path.slopes), *_inputs(t, path, bend)], domain
 
 
 class _Path(NamedTuple):
-    """``slopes[m]``: derivative m + 1 of y by x of the last axle; ``speed``: w_0.
+    """Derivatives along the path of the last axle."""
 
-    ``inverse_gain``: 1/(dz2/d turning).
-    """
-
-    slopes: list[Poly]
-    speed: Poly
-    inverse_gain: Poly
+    slopes: list[Poly]  # ``slopes[m]``: derivative m + 1 of y by x of the last axle
+    speed: Poly  # w_0
+    inverse_gain: Poly  # 1/(dz2/d turning)
 
 
 def _path(t: Train) -> tuple[_Path, list[Domain]]:
-    """Derivatives along the path of the last axle up to the drift of z2, as far as they can be written out."""
+    """Return derivatives along the path of the last axle up to the drift of z2, as far as they are short enough."""
     last, *hitches = [tuple(map(to_poly, (x.cosine, x.sine, x.inverse_length))) for x in links_of(t)]
     c, s, _ = last
     across = "the last axle drives at a right angle to world x: turn the world frame"
@@ -108,6 +105,7 @@ def _path(t: Train) -> tuple[_Path, list[Domain]]:
 
 
 def _transformation(t: Train, slopes: list[Poly]) -> list[Equation]:
+    """Return the equations of z1 ... zn."""
     n = t.size
     x, y = last_axle(t)
     coordinates = {1: tidy(x), n: tidy(y)}
@@ -118,7 +116,7 @@ def _transformation(t: Train, slopes: list[Poly]) -> list[Equation]:
 
 
 def _inputs(t: Train, path: _Path, bend: Expr) -> list[Equation]:
-    """u1 = v / w_0; u2 = (dz2/dx) u1 + (dz2/d turning) * turning."""
+    """Return the equations u1 = v / w_0; u2 = (dz2/dx) u1 + (dz2/d turning) * turning, solved for v and turning."""
     u1, u2 = (signal(p.name) for p in U)
     complete = len(path.slopes) == t.size - 1
     drift = tidy(expression(path.slopes[-1])) if complete else local("dz2/dz1")
@@ -127,60 +125,67 @@ def _inputs(t: Train, path: _Path, bend: Expr) -> list[Equation]:
 
 
 class Verification(NamedTuple):
-    """Differences at each point, all of which are exactly 0 when the formulas are right."""
+    """Differences at each point; all are exactly 0 if the formulas are correct."""
 
     points: int
     residuals: tuple[Exact, ...]
 
     @property
     def holds(self) -> bool:
-        """True where every identity holds exactly."""
+        """Return whether every identity holds exactly."""
         return not any(self.residuals)
 
     @property
     def text(self) -> str:
-        """What was checked, and the outcome."""
+        """Return what was checked, and the result."""
         verdict = "hold exactly" if self.holds else "FAIL"
         return (
-            f"z1' = u1, z2' = u2, z(k+1)' = zk u1 and the way back through chained_input {verdict} at {self.points} "
+            f"z1' = u1, z2' = u2, z(k+1)' = zk u1 and the inverse, chained_input, {verdict} at {self.points} "
             "rational points (exact arithmetic, rates from the posture model and the trailers)"
         )
 
 
 def verify(robot: Robot, mobility: Mobility, points: int = POINTS) -> Verification:
-    """The chain's identities at rational points. NotDerivableError where the robot has no chained form."""
+    """Return the residuals of the chain's identities at rational points.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        points: How many points are checked.
+
+    Raises:
+        NotDerivableError: If the robot has no chained form, or if no exact check is possible.
+    """
     t = train(robot, mobility)
     functions = tuple(build(robot, mobility) for build in (chained, chained_rates, chained_input))
     try:
         residuals = [r for seed in range(points) for r in _residuals(t, mobility, functions, seed)]
     except ValueError as error:
-        raise NotDerivableError(f"{robot.name}: not verifiable exactly: {error}") from error
+        raise UnderivableError(f"{robot.name}: not verifiable exactly: {error}", Reason.OTHER) from error
     return Verification(points, tuple(residuals))
 
 
 class _Place(NamedTuple):
-    """A point of the state space, and how it moves. ``values``: symbol -> number, for an angle the tangent of its half.
+    """A point of the state space, and its motion."""
 
-    ``rates``: symbol -> rate; empty where nothing moves.
-    """
-
-    values: dict[str, Exact]
-    rates: dict[str, Exact]
+    values: dict[str, Exact]  # symbol -> number; for an angle, the tangent of its half
+    rates: dict[str, Exact]  # symbol -> rate; empty if nothing moves
     geometry: Mapping[str, Exact]
 
     def value(self, poly: Poly) -> Exact:
+        """Return the value of a polynomial. Raise ValueError if it is not exact."""
         number = at_point(poly, self.values, self.geometry).constant
         if number is None:
             raise ValueError(f"no exact value for {expression(poly)}")
         return number
 
     def rate(self, expr: Expr, poly: Poly) -> Exact:
-        """By the chain rule over the symbols of ``expr`` that move; ``poly`` is the same as a polynomial."""
+        """Return the rate of ``expr`` by the chain rule; ``poly`` is the same as a polynomial."""
         moving = sorted(s.name for s in expr.free_symbols if self.rates.get(s.name))
         return sum((self.value(by_state(poly, name)) * self.rates[name] for name in moving), ZERO)
 
     def outputs(self, formula: Formula) -> list[tuple[Exact, Exact]]:
-        """Value and rate of each output."""
+        """Return value and rate of each output."""
         place = _Place(dict(self.values), dict(self.rates), self.geometry)
         for symbol, expr in formula.locals:
             place.values[symbol.name], rate = place._value_and_rate(expr)
@@ -189,12 +194,13 @@ class _Place(NamedTuple):
         return [place._value_and_rate(expr) for _, expr in formula.outputs]
 
     def _value_and_rate(self, expr: Expr) -> tuple[Exact, Exact]:
+        """Return value and rate of an expression."""
         expr = self._unguarded(expr)
         poly = to_poly(expr)
         return self.value(poly), self.rate(expr, poly)
 
     def _unguarded(self, expr: Expr) -> Expr:
-        """What a guard of a divisor lets through here; ValueError where it is closed."""
+        """Return an expression without the guard of its divisor. Raise ValueError if the guard is closed."""
         if isinstance(expr, sympy.Piecewise):
             (_, condition), (opened, _) = expr.args
             divisor, least = condition.lts.args[0], condition.gts
@@ -209,6 +215,7 @@ class _Place(NamedTuple):
 
 
 def _residuals(t: Train, mobility: Mobility, functions: tuple[Formula, ...], seed: int) -> list[Exact]:
+    """Return the residuals at one point: rates of z, claimed rates, and inputs converted forth and back."""
     system = towing_system(eta_motion(t.robot, mobility, virtual=True), mobility)
     inputs = {_symbol(u): Exact(Fraction(2 * k + 3 + seed, 5 - 3 * k)) for k, u in enumerate(system.inputs)}
     geometry = {p.name: p.default for p in tunable_ports(t.robot) if p.default is not None}
@@ -238,11 +245,12 @@ def _residuals(t: Train, mobility: Mobility, functions: tuple[Formula, ...], see
 
 
 def _symbol(port: Port) -> str:
+    """Return the name of a port's symbol."""
     return str(signal(port.name).name)
 
 
 def _generic_state(t: Train, seed: int) -> dict[str, Exact]:
-    """Symbol -> a number, for an angle the tangent of its half: small, so that no guard is near."""
+    """Return a number for each symbol; for an angle, the small tangent of its half, so that no guard is near."""
     pose = {"x": Exact(Fraction(3, 5)), "y": Exact(Fraction(-9, 10 + seed))}
     return pose | {
         _symbol(p): Exact(Fraction((-1) ** k * (k % 3 + 1), 11 + 2 * k + 3 * seed))
@@ -251,7 +259,7 @@ def _generic_state(t: Train, seed: int) -> dict[str, Exact]:
 
 
 def _speed(t: Train, place: _Place) -> Exact:
-    """The speed of the axle's centre along the direction of travel, from the rates of the pose."""
+    """Return the speed of the axle's centre along the direction of travel, from the rates of the pose."""
     theta = signal("theta")
     c, s = place.value(to_poly(sympy.cos(theta))), place.value(to_poly(sympy.sin(theta)))
     x, y, omega = (place.rates[name] for name in ("x", "y", "theta"))

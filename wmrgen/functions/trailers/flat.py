@@ -1,8 +1,9 @@
 """Flat outputs: positions whose motion determines every state and input (Fliess, Levine, Martin, Rouchon 1995).
 
-A robot with a fixed axle is flat with its centre Q, a car too; with trailers coupled on the axle it is the last axle.
-Travelling forward, theta is the direction of Q' and the curvature (x' y'' - y' x'') / v**3 gives yaw rate and steering.
-A robot whose pose is free, (3, 0), is flat with its pose; one that only translates with its position.
+The flat output of a robot with a fixed axle, also of a car, is the axle's centre Q. With trailers coupled on the axle
+it is the last axle. Travelling forward, theta is the direction of Q', and the curvature (x' y'' - y' x'') / v**3 gives
+yaw rate and steering. The flat output of a robot whose pose is free, (3, 0), is its pose; for a robot that only
+translates it is its position.
 """
 
 from __future__ import annotations
@@ -13,8 +14,7 @@ import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
-from wmrgen.functions.registry import function
+from wmrgen.functions.registry import Reason, UnderivableError, function
 from wmrgen.functions.system import Gate, rate_port
 from wmrgen.functions.trailers.train import Steering, Train, V, train
 from wmrgen.geometry.layout.records import Robot
@@ -33,21 +33,21 @@ from wmrgen.geometry.symbolic import (
     times,
 )
 
-STANDSTILL = sympy.Rational(1, 10**6)  # [m/s] slower than this the direction of travel is not defined
+STANDSTILL = sympy.Rational(1, 10**6)  # [m/s] below this speed the direction of travel is undefined
 _ORDERS = (("", "m", "position"), ("_rate", "m/s", "velocity"), ("_accel", "m/s^2", "acceleration"),
            ("_jerk", "m/s^3", "jerk"))  # fmt: skip
 
 
 class Flatness(NamedTuple):
-    """``outputs``: what is flat, in words. ``order``: derivatives of them that state and inputs need."""
+    """The flat outputs of a robot."""
 
-    outputs: str
-    order: int
-    text: str
+    outputs: str  # the flat outputs in words
+    order: int  # of the derivatives that state and inputs need
+    text: str  # why they are flat outputs
 
 
 def flatness(robot: Robot, mobility: Mobility) -> Flatness:
-    """What is known about flat outputs. NotDerivableError where nothing is claimed."""
+    """Return the flat outputs of a robot. Raise NotDerivableError if none are known."""
     kind = mobility.robot_type
     if kind == (3, 0) and not robot.trailers:
         return Flatness(
@@ -56,13 +56,13 @@ def flatness(robot: Robot, mobility: Mobility) -> Flatness:
     if kind in ((2, 1), (1, 2)) and not robot.trailers:
         return Flatness(
             "x, y, theta of the body", 2,
-            "three inputs and a pose that can follow any smooth path: the steered wheels point where `inverse` of the "
-            "twist says, while their pivots move; steering rates need the acceleration",
+            "three inputs and a pose that can follow any smooth path: while their pivots move, the steered wheels have "
+            "the angles that `inverse` returns for the twist; steering rates need the acceleration",
         )  # fmt: skip
     if _translates(robot, mobility):
         return Flatness(
             "x, y of the body", 2,
-            "theta stays as it is, and while the robot moves the direction of its path is where the wheels point",
+            "theta is constant, and while the robot moves, the wheels point along its path",
         )  # fmt: skip
     t = train(robot, mobility, what="a flat output")
     order = t.size - 1
@@ -71,38 +71,40 @@ def flatness(robot: Robot, mobility: Mobility) -> Flatness:
         return Flatness(
             f"x, y of the axle of {last}",
             order,
-            f"the last axle; derivatives to order {order} of its path determine all",
+            f"the last axle; derivatives of its path up to order {order} determine all states and inputs",
         )
     text = "the direction of its path is the heading, the curvature gives the turning"
     return Flatness("x, y of the centre of the axle", order, text)
 
 
 def _translates(robot: Robot, mobility: Mobility) -> bool:
-    """A synchro drive: two directions of translation, reached one after the other (Siegwart 3.3.3)."""
+    """Return whether a robot is a synchro drive: it only translates, in two directions (Siegwart 3.3.3)."""
     return mobility.robot_type == (1, 1) and mobility.dof == 2 and not robot.trailers
 
 
 @function("ours; Tzafestas (2.66)-(2.69) solved for the inputs")
 def flat(robot: Robot, mobility: Mobility) -> Formula:
-    """Derivatives of the flat outputs to state and inputs, travelling forward; standing still turns nothing."""
+    """Return state and inputs for derivatives of the flat outputs, travelling forward; at standstill rates are 0."""
     claim = flatness(robot, mobility)
     if mobility.robot_type == (3, 0):
         return _pose(robot)
     if mobility.robot_type in ((2, 1), (1, 2)) or _translates(robot, mobility):
-        raise NotDerivableError(
-            f"{robot.name} is flat with {claim.outputs}: `inverse` recovers its joints from the twist"
+        raise UnderivableError(
+            f"{robot.name} has the flat outputs {claim.outputs}; `inverse` returns its joints for the twist",
+            Reason.FLAT_OUTPUTS,
         )
     t = train(robot, mobility, what="a flat output")
     if t.robot.trailers:
-        raise NotDerivableError(
-            f"{robot.name} is flat with {claim.outputs}; the formulas that recover states and inputs are written down "
-            "for robots without trailers. `chained_input` steers the last axle through derivatives of its path"
+        raise UnderivableError(
+            f"{robot.name} has the flat outputs {claim.outputs}; the formulas for states and inputs exist only for "
+            "robots without trailers. `chained_input` steers the last axle through derivatives of its path",
+            Reason.FLAT_OUTPUTS,
         )
     return _axle(robot, t, claim)
 
 
 def _pose(robot: Robot) -> Formula:
-    """(3, 0): twist of P in the robot frame from the rates of the pose (Siegwart (3.2))."""
+    """Return the function of a (3, 0) robot: the twist of P from the rates of the pose (Siegwart (3.2))."""
     theta = signal("theta")
     rates = tuple(rate_port(p) for p in POSE)
     x, y, turn = (signal(p.name) for p in rates)
@@ -115,6 +117,7 @@ def _pose(robot: Robot) -> Formula:
 
 
 def _axle(robot: Robot, t: Train, claim: Flatness) -> Formula:
+    """Return the function of a robot with a fixed axle."""
     names, axle = Locals(), t.axle
     dx, dy, ax, ay = (signal(n) for n in ("x_rate", "y_rate", "x_accel", "y_accel"))
     v = names.define("speed", norm(dx, dy))
@@ -123,7 +126,9 @@ def _axle(robot: Robot, t: Train, claim: Flatness) -> Formula:
     omega = names.define("yaw_rate", times(cross, over, over))
     cosine = names.define("travel_cosine", times(dx, over))
     sine = names.define("travel_sine", times(dy, over))
-    c, s = rotated_back(*axle.direction, cosine, sine)  # of the robot's heading, from those of its axle's
+    c, s = rotated_back(
+        *axle.direction, cosine, sine
+    )  # cosine and sine of the robot's heading, from the heading of its axle
     c, s = names.define("cos_theta", c), names.define("sin_theta", s)
     x, y = rotated(c, s, *axle.centre)
     twist = (*axle.velocity_of_p(v, omega), omega)
@@ -143,6 +148,7 @@ def _axle(robot: Robot, t: Train, claim: Flatness) -> Formula:
 
 
 def _inputs(order: int) -> tuple[Port, ...]:
+    """Return the derivatives of the flat outputs up to an order."""
     return tuple(
         output(f"{axis}{suffix}", unit, f"{what} of the flat output along world {axis}")
         for suffix, unit, what in _ORDERS[: order + 1]
@@ -151,7 +157,7 @@ def _inputs(order: int) -> tuple[Port, ...]:
 
 
 def _curvature_rate(names: Locals, kappa: Expr, over: Expr) -> Expr:
-    """kappa' = (x' y''' - y' x''') / v**3 - 3 kappa (x' x'' + y' y'') / v**2."""
+    """Return kappa' = (x' y''' - y' x''') / v**3 - 3 kappa (x' x'' + y' y'') / v**2."""
     dx, dy, ax, ay = (signal(n) for n in ("x_rate", "y_rate", "x_accel", "y_accel"))
     jx, jy = signal("x_jerk"), signal("y_jerk")
     turning = times(subtract(times(dx, jy), times(dy, jx)), over, over, over)
@@ -160,7 +166,10 @@ def _curvature_rate(names: Locals, kappa: Expr, over: Expr) -> Expr:
 
 
 def _steering(t: Train, s: Steering, names: Locals, kappa: Expr, bend: Expr) -> list[tuple[Port, Expr]]:
-    """tan h = kappa X / (1 - kappa Y): the heading of the steered wheel's pivot; beta = h - zero heading."""
+    """Return steering angle and rate.
+
+    tan h = kappa X / (1 - kappa Y), with h the heading of the steered wheel's pivot; beta = h - zero heading.
+    """
     port = t.steering_port
     assert port is not None
     a = names.define("pivot_along", subtract(sympy.S.One, times(kappa, expression(s.y))))

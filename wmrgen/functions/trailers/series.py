@@ -1,16 +1,17 @@
 """Taylor series of a tractor with trailers along the path of its last axle.
 
-Headings theta_0 (tractor) .. theta_N (last), d_j = theta_(j-1) - theta_j, d_(N+1) = theta_N, s = x of the last axle.
-Driving so that ds = 1, the states follow (Tzafestas (2.70), divided by the speed of the last axle along x)
+The headings are theta_0 (tractor) .. theta_N (last). d_j = theta_(j-1) - theta_j, d_(N+1) = theta_N, and s = x of the
+last axle. If the robot drives so that ds = 1, the states satisfy (Tzafestas (2.70), divided by the speed of the last
+axle along x)
 
     y' = T_(N+1),    theta_j' = T_j w_j / L_j,    theta_0' = kappa w_0,
     T_j = tan d_j,   w_N = 1/cos theta_N,   w_(j-1) = w_j / cos d_j.
 
-Derivatives of y with respect to s are then coefficients of a power series. Its recurrences share every
-intermediate result, so N trailers cost some N**3 operations where repeated differentiation doubles with each order.
+Derivatives of y with respect to s are then coefficients of a power series. Its recurrences share every intermediate
+result, so N trailers cost about N**3 operations. Repeated differentiation doubles the cost with each order.
 
-The order N + 3 grows like 1/cos to the power 2 N + 5. Where the product of all cosines is below `threshold`, at the
-edge of the domain, every 1/cos reads 0: the derivatives are 0 and the tractor stands, in float32 too.
+The order N + 3 grows like 1/cos to the power 2 N + 5. If the product of all cosines is below `threshold`, near the
+edge of the domain, every 1/cos is replaced by 0: the derivatives are 0 and the tractor stands, also in float32.
 """
 
 from __future__ import annotations
@@ -24,42 +25,40 @@ from wmrgen.analysis.kinematics.records import Locals
 from wmrgen.functions.system import Gate
 from wmrgen.geometry.symbolic import Expr, add, subtract, times
 
-DIGITS = 24  # float32 holds 38; what is left is for lengths and factorials
-NARROW = sympy.Rational(1, 10**5)  # a divisor of the steering nearer to zero than this counts as zero
+DIGITS = 24  # decimal digits; float32 allows 38, and the rest is for lengths and factorials
+NARROW = sympy.Rational(1, 10**5)  # no unit: a smaller divisor of the steering is treated as zero
 
 Series = list[Expr]
 
 
 class Link(NamedTuple):
-    """One angle of the train: cosine and sine of d_j, and 1/L_j [1/m] (1 for d_(N+1))."""
+    """One angle of the train."""
 
     name: str
-    cosine: Expr
-    sine: Expr
-    inverse_length: Expr
+    cosine: Expr  # of d_j
+    sine: Expr  # of d_j
+    inverse_length: Expr  # 1/L_j [1/m]; 1 for d_(N+1)
 
 
 class Path(NamedTuple):
-    """``slopes[m]``: the m-th derivative of y by x along the path of the last axle, the steering input at rest.
+    """The path of the last axle."""
 
-    ``speed``: w_0, speed of the tractor's axle per unit of dx/dt. ``along``: 1/w_0, a product of cosines.
-    ``gain`` and ``inverse_gain``: how the order before the last answers to the tractor's heading.
-    """
-
+    # ``slopes[m]``: m-th derivative of y by x along the path of the last axle, with the steering input
+    # at 0
     slopes: tuple[Expr, ...]
-    speed: Expr
-    along: Expr
-    gain: Expr
-    inverse_gain: Expr
+    speed: Expr  # w_0: speed of the tractor's axle per unit of dx/dt
+    along: Expr  # 1/w_0: a product of cosines
+    gain: Expr  # derivative of the last order but one by the tractor's heading
+    inverse_gain: Expr  # 1 / gain
 
 
 def threshold(trailers: int) -> Expr:
-    """The least product of cosines, a power of two: its power 2 N + 5 keeps to DIGITS."""
+    """Return the smallest product of cosines, a power of two: its power 2 N + 5 has at most DIGITS digits."""
     return sympy.Rational(1, 2 ** (DIGITS * 332 // (100 * (2 * trailers + 5))))
 
 
 class _Level:
-    """The series of one angle: d, T = tan d, c = 1/cos d, w, and the state that it drives."""
+    """The series of one angle: d, T = tan d, c = 1/cos d, w, and the state that they drive."""
 
     def __init__(self, names: Locals, link: Link, orders: int, first: bool, gate: Gate) -> None:
         self.names, self.link, self.orders, self.first = names, link, orders, first
@@ -67,12 +66,18 @@ class _Level:
         tan = names.define(f"{link.name}_tan", times(link.sine, sec))
         self.d: Series = [sympy.S.Zero]
         self.tan, self.sec, self.state = [tan], [sec], [sympy.S.Zero]
-        # Coefficients of the state after the first; its value itself is never needed.
+        # Coefficients of the state after the first; the state itself is never needed.
         self.squared: Series = [add(sympy.S.One, names.define(f"{link.name}_tan_squared", times(tan, tan)))]
         self.product: Series = []
 
     def advance(self, k: int, w: Series, front: Series) -> None:
-        """Order k of tan d and 1/cos d, then order k + 1 of the state. ``w``: w_j; ``front``: the state ahead."""
+        """Compute order k of tan d and 1/cos d, then order k + 1 of the state.
+
+        Args:
+            k: The order.
+            w: The series of w_j.
+            front: The series of the state ahead.
+        """
         if k:
             turned = front[k] if self.first else subtract(front[k], self.state[k])
             self.d.append(self._named("turn", k, turned))
@@ -86,13 +91,22 @@ class _Level:
         self.state.append(self._named("state", k + 1, rate))
 
     def _named(self, what: str, k: int, value: Expr) -> Expr:
+        """Return a coefficient as an intermediate result; numbers and symbols need no name."""
         trivial = not value.args or value.is_Number
         return value if trivial else self.names.define(f"{self.link.name}_{what}_{k}", value)
 
 
 def path(names: Locals, links: list[Link], curvature: Expr | None) -> Path:
-    """The path of the last axle. ``links``: d_(N+1) first, d_1 last. ``curvature``: of the tractor; None: it turns
-    by an input of its own, at rest in ``slopes``. Orders 0 to len(links) + 2 with a curvature, else one less."""
+    """Return the path of the last axle.
+
+    Args:
+        names: Takes the intermediate results.
+        links: d_(N+1) first, d_1 last.
+        curvature: Curvature of the tractor's path [1/m]; None if the yaw rate is an input, which is 0 in ``slopes``.
+
+    Returns:
+        The path up to order len(links) + 2 with a curvature, else one order less.
+    """
     orders = len(links) + (2 if curvature is not None else 1)
     links = [x._replace(cosine=names.define(f"{x.name}_cosine", x.cosine)) for x in links]
     cosines = [x.cosine for x in links]
@@ -111,18 +125,22 @@ def path(names: Locals, links: list[Link], curvature: Expr | None) -> Path:
         turning = curvature is not None and k < orders - len(levels)
         head.append(times(curvature, w[-1][k], sympy.Rational(1, k + 1)) if turning else sympy.S.Zero)
     slopes = tuple(times(sympy.Integer(factorial(m)), value) for m, value in enumerate(levels[0].state))
-    gain = times(*(times(x.sec[0], x.sec[0], w[i][0], x.link.inverse_length) for i, x in enumerate(levels)))
-    inverse = times(
-        *(
-            times(x.cosine, x.cosine, *cosines[:i], sympy.Pow(x.inverse_length, -1))
-            for i, x in enumerate(links)
-        )
-    )
-    return Path(slopes, w[-1][0], gate.value, gain, inverse)
+    gains, inverses = [], []
+    for i, (level, link) in enumerate(zip(levels, links, strict=True)):
+        gains.append(times(level.sec[0], level.sec[0], w[i][0], link.inverse_length))
+        length = sympy.Pow(link.inverse_length, -1)
+        inverses.append(times(link.cosine, link.cosine, *cosines[:i], length))
+    return Path(slopes, w[-1][0], gate.value, times(*gains), times(*inverses))
 
 
 def convolve(a: Series, b: Series, k: int) -> Expr:
-    """Coefficient k of the product of two series; equal products are written once."""
+    """Return coefficient k of the product of two series; equal products are written once.
+
+    Args:
+        a: A series.
+        b: A series.
+        k: The order.
+    """
     if a is b:
         pairs = [times(sympy.Integer(2), a[i], a[k - i]) for i in range((k + 1) // 2)]
         return add(*pairs, *([times(a[k // 2], a[k // 2])] if k % 2 == 0 else []))
@@ -130,6 +148,6 @@ def convolve(a: Series, b: Series, k: int) -> Expr:
 
 
 def _against(steps: Series, series: Series) -> Expr:
-    """sum over i of i d_i series_(k-i), i from 1 to k."""
+    """Return the sum over i of i d_i series_(k-i), i from 1 to k."""
     k = len(steps)
     return add(*(times(steps[i - 1], series[k - i]) for i in range(1, k + 1)))

@@ -1,22 +1,22 @@
 """Trailers behind a body (Tzafestas 2.3.6, (2.70) corrected; off-axle hitches included).
 
-Trailer i turns about its axle, L_i behind its coupling. With t_i its direction and n_i = z x t_i, the velocity V
-of the coupling splits into what the axle follows and what turns the trailer:
+Trailer i turns about its axle, L_i behind its coupling. With t_i its direction and n_i = z x t_i, the velocity V of
+the coupling has a component that the axle follows and a component that turns the trailer:
 
     v_i = V . t_i,   L_i theta_i' = V . n_i        (so n_i . (velocity of the axle) = 0: it does not slide)
 
-The next coupling lies hitch h behind that axle: V = v_i t_i - h theta_i' n_i. Behind the body the hitch is measured
-from the fixed axle at the centre of the fixed wheels, from P where there is none.
+The next coupling is at distance h (hitch) behind that axle: V = v_i t_i - h theta_i' n_i. The hitch behind the body is
+measured from the fixed axle at the centre of the fixed wheels; from P if there is none.
 
-On the steady circle every axle turns at the rate of the body, kappa per metre that the body's axle advances. Seen from
-the trailer the coupling moves by (v_i, L_i kappa), from what pulls it by (v_(i-1), -h_i kappa). Lengths and directions
-agree for
+On the steady circle every axle has the yaw rate of the body, kappa per metre of travel of the body's axle. Seen from
+the trailer the coupling moves by (v_i, L_i kappa), seen from the vehicle ahead by (v_(i-1), -h_i kappa). Equal lengths
+and directions of these vectors give
 
     v_i**2 = v_(i-1)**2 + kappa**2 (h_i**2 - L_i**2),   v_0 = 1
     hitch angle_i = atan2(L_i kappa, v_i) + atan2(h_i kappa, v_(i-1))
 
-It exists while no v_i**2 is negative: the radii satisfy R_i**2 = R_(i-1)**2 + h_i**2 - L_i**2
-(Tzafestas 2.3.6 with h = 0).
+The circle exists while no v_i**2 is negative. The radii satisfy R_i**2 = R_(i-1)**2 + h_i**2 - L_i**2 (Tzafestas 2.3.6
+with h = 0).
 """
 
 from __future__ import annotations
@@ -28,14 +28,13 @@ import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.axle import THROUGH_P, Axle, Vector, fixed_axle, leading_axle
 from wmrgen.functions.models.inputs import Motion, best_motion
 from wmrgen.functions.models.polynomials import whole, without_lengths
 from wmrgen.functions.models.posture import posture_rates, system_of
 from wmrgen.functions.models.sheet import LONGEST
 from wmrgen.functions.models.vector_fields import to_poly
-from wmrgen.functions.registry import function, system, underivable
+from wmrgen.functions.registry import Reason, UnderivableError, function, system, underivable
 from wmrgen.functions.system import Domain, System, rate_port, with_guards
 from wmrgen.geometry.constraints import working_view
 from wmrgen.geometry.exact.poly import Poly
@@ -59,42 +58,55 @@ from wmrgen.geometry.symbolic import (
 
 
 def check_trailers(robot: Robot, mobility: Mobility) -> None:
-    """NotDerivableError for a body that cannot tow in this model."""
+    """Raise NotDerivableError for a body that cannot tow in this model."""
     if not robot.trailers:
         return
     names = ", ".join(t.name for t in robot.trailers)
     if mobility.degree_of_mobility == 3:
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{robot.name} cannot tow {names}: its degree of mobility is 3, and a robot that can move sideways at any "
-            "time has no axle that leads a trailer: pushed sideways it jack-knifes.\n"
-            "  Trailers go behind a body with fixed or steered wheels, degree of mobility 1 or 2; delete `trailers`.",
+            "time has no axle that leads a trailer: if the robot moves sideways, the trailer jack-knifes.\n"
+            "  Delete `trailers`; they need a body with fixed or steered wheels, degree of mobility 1 or 2.",
+            Reason.MOBILITY,
             robot.trailers[0].mark,
         )
     if not mobility.degree_of_mobility:
-        raise NotDerivableError(
+        raise UnderivableError(
             f"{robot.name} cannot tow {names}: its degree of mobility is 0, it cannot move.",
+            Reason.MOBILITY,
             robot.trailers[0].mark,
         )
 
 
 def require_trailers(robot: Robot, mobility: Mobility) -> None:
-    """NotDerivableError where the file names none, and for a body that cannot tow."""
+    """Raise NotDerivableError if the file has no trailers, or for a body that cannot tow."""
     if not robot.trailers:
-        raise NotDerivableError(
-            f"{robot.name} has no trailers.\n  Write trailers: [{{length: 1.1}}] in its file; hitch: 0 is on the axle."
+        raise UnderivableError(
+            f"{robot.name} has no trailers.\n  Write trailers: [{{length: 1.1}}] in its file; hitch: 0 is on the axle.",
+            Reason.NO_TRAILERS,
         )
     check_trailers(robot, mobility)
 
 
 class Towed(NamedTuple):
-    """The axle of a trailer: its speed along its heading and its yaw rate."""
+    """The motion of a trailer's axle."""
 
-    speed: Expr
-    turn: Expr
+    speed: Expr  # along its heading [m/s]
+    turn: Expr  # yaw rate [rad/s]
 
 
-def convoy(motion: Motion, axle: Axle, twist: Sequence[Expr], names: Locals | None) -> list[Towed]:
-    """The axle of each trailer under a twist of P in the robot frame. With ``names`` shared results are named."""
+def towed_axles(motion: Motion, axle: Axle, twist: Sequence[Expr], names: Locals | None) -> list[Towed]:
+    """Return the motion of the axle of each trailer.
+
+    Args:
+        motion: The model of the body.
+        axle: The axle that leads the first trailer.
+        twist: The twist of P in the robot frame.
+        names: Takes the intermediate results; None to write them out.
+
+    Returns:
+        The axles in the order of the trailers.
+    """
     vx, vy, omega = twist
     axles: list[Towed] = []
     coupling: Vector = vx, vy
@@ -123,43 +135,55 @@ def convoy(motion: Motion, axle: Axle, twist: Sequence[Expr], names: Locals | No
 
 
 def turns(motion: Motion, mobility: Mobility, sideways: bool = True) -> list[Expr]:
-    """The yaw rate of each trailer's axle [rad/s] in the twist of P (signals vx, vy, omega) and the headings; vy is 0
-    unless ``sideways``."""
+    """Return the yaw rate of each trailer's axle [rad/s], in the twist of P (signals vx, vy, omega) and the headings.
+
+    Args:
+        motion: The model of the body.
+        mobility: The mobility of the robot.
+        sideways: Whether vy is a signal; otherwise it is 0.
+    """
     axle = leading_axle(motion.robot, mobility, motion.frame.view)
     vy = signal("vy") if sideways else sympy.S.Zero
-    return [own.turn for own in convoy(motion, axle, (signal("vx"), vy, signal("omega")), None)]
+    return [own.turn for own in towed_axles(motion, axle, (signal("vx"), vy, signal("omega")), None)]
 
 
 def in_view(length: Length, symbolic: bool) -> Poly:
-    """A length with its parameters as symbols, or the tunable ones alone."""
+    """Return a length with its parameters as symbols, or only the tunable ones."""
     return length.symbolic if symbolic else length.working
 
 
 def hitch_angle(robot: Robot, i: int) -> Expr:
-    """Heading of what pulls trailer i minus that of the trailer: 0 when it follows straight."""
+    """Return the heading of the vehicle ahead of trailer i minus the trailer's heading: 0 if it follows straight."""
     ahead = "theta" if i == 0 else f"{robot.trailers[i - 1].name}.theta"
     return subtract(signal(ahead), signal(f"{robot.trailers[i].name}.theta"))
 
 
 def state_ports(trailers: Sequence[Trailer]) -> tuple[Port, ...]:
-    """``<trailer>.theta`` of each."""
+    """Return the port ``<trailer>.theta`` of each trailer."""
     text = "heading of the trailer, counter-clockwise from world x"
     return tuple(Port(f"{t.name}.theta", Role.STATE, "rad", text) for t in trailers)
 
 
 @system("trailer")
 def trailer_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
-    """Posture state and the trailers' headings; inputs as in the posture model, eta where actuation is missing."""
+    """Return the posture model with the trailers' headings; inputs are eta if joints lack motors.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        symbolic: Whether all parameters are symbols, or only the tunable ones.
+    """
     require_trailers(robot, mobility)
     return towing_system(best_motion(robot, mobility, symbolic), mobility)
 
 
 def towing_system(motion: Motion, mobility: Mobility) -> System:
-    """The posture model of a motion with the headings of the trailers."""
+    """Return the posture model of a motion with the headings of the trailers."""
     trailers = motion.robot.trailers
     axle = fixed_axle(motion.robot, mobility, motion.frame.view)
     convoys = [
-        convoy(motion, axle or THROUGH_P, [expression(p) for p in twist], None) for twist in motion.twists
+        towed_axles(motion, axle or THROUGH_P, [expression(p) for p in twist], None)
+        for twist in motion.twists
     ]
     posture = system_of("trailer", motion)
     state = (*posture.state, *state_ports(trailers))
@@ -167,7 +191,7 @@ def towing_system(motion: Motion, mobility: Mobility) -> System:
     def code() -> Formula:
         names = Locals()
         rates, twist = posture_rates(motion, names, motion.swivels)
-        rates = (*rates, *(a.turn for a in convoy(motion, axle or THROUGH_P, twist, names)))
+        rates = (*rates, *(a.turn for a in towed_axles(motion, axle or THROUGH_P, twist, names)))
         outputs = zip(map(rate_port, state), rates, strict=True)
         return names.formula("trailer", (*state, *motion.inputs, *posture.geometry), outputs, motion.text)
 
@@ -183,12 +207,12 @@ def towing_system(motion: Motion, mobility: Mobility) -> System:
 
 
 def _jackknives(motion: Motion, on_fixed_axle: bool, convoys: list[list[Towed]]) -> list[Domain]:
-    """Where an axle stands still while it is pulled: cos(hitch angle) = 0 on the axle, speed 0 off it."""
+    """Return where an axle stands still while pulled: cos(hitch angle) = 0 on the axle, speed 0 off it."""
     domains = []
     for i, t in enumerate(motion.robot.trailers):
         if not in_view(t.hitch, motion.frame.symbolic) and (i or on_fixed_axle):
             condition: Expr = sympy.cos(hitch_angle(motion.robot, i))
-            why = "what pulls it stands square to it"
+            why = "it is at a right angle to the vehicle ahead"
         else:
             speeds = [
                 (chain[i].speed, u)
@@ -197,7 +221,7 @@ def _jackknives(motion: Motion, on_fixed_axle: bool, convoys: list[list[Towed]])
             ]
             alone = len(speeds) == 1
             condition = _cleared(add(*(v if alone else times(v, signal(u.name)) for v, u in speeds)))
-            why = "its axle stands still and turns on the spot while it is pulled; beyond, it is pushed backwards"
+            why = "its axle turns on the spot while it is pulled; at a larger angle it is pushed backwards"
         domains.append(Domain(condition, f"`{t.name}` is jack-knifed: {why}"))
     return domains
 
@@ -205,7 +229,7 @@ def _jackknives(motion: Motion, on_fixed_axle: bool, convoys: list[list[Towed]])
 def _cleared(condition: Expr) -> Expr:
     """Return ``condition`` without denominators and common lengths: the same states make it 0.
 
-    A condition that is too long to be shown is returned unchanged: that of trailer k has 2**k terms multiplied out.
+    A condition that is too long to be shown is returned unchanged: the condition of trailer k has 2**k terms.
     """
     if size(condition) > LONGEST:
         return condition
@@ -215,13 +239,13 @@ def _cleared(condition: Expr) -> Expr:
 
 @function("Tzafestas 2.3.6, (2.70) corrected; off the axle it is ours")
 def trailer(robot: Robot, mobility: Mobility) -> Formula:
-    """Rates of the posture and of the trailers' headings, and the speed of each trailer's axle (0 when jack-knifed)."""
+    """Return the rates of the posture and of the trailers' headings, and the speed of each trailer's axle."""
     require_trailers(robot, mobility)
     motion = best_motion(robot, mobility)
     axle = leading_axle(robot, mobility, motion.frame.view)
     model, names = towing_system(motion, mobility), Locals()
     rates, twist = posture_rates(motion, names, motion.swivels)
-    axles = convoy(motion, axle, twist, names)
+    axles = towed_axles(motion, axle, twist, names)
     rates = (*rates, *(a.turn for a in axles))
     outputs = [(rate_port(p), e) for p, e in zip(model.state, rates, strict=True)]
     speed = "speed of the trailer's axle; 0 when jack-knifed"
@@ -229,17 +253,23 @@ def trailer(robot: Robot, mobility: Mobility) -> Formula:
         (output(f"{t.name}.speed", "m/s", speed), a.speed) for t, a in zip(robot.trailers, axles, strict=True)
     ]
     inputs = (*model.state, *model.inputs, *model.geometry)
-    text = f"rates of a body with trailers (one is jack-knifed where its speed is 0): {motion.text}"
+    text = f"rates of a body with trailers (a trailer is jack-knifed if its speed is 0): {motion.text}"
     return with_guards(names.formula("trailer", inputs, outputs, text))
 
 
-# ---- where trailers stand
+# ---- positions of trailers
 
 CURVATURE = output("curvature", "1/m", "yaw rate of the body per speed of its axle centre")
 
 
 def behind(point: Vector, length: Poly, heading: Expr) -> Vector:
-    """The point that lies ``length`` [m] behind another, seen along a heading in the world."""
+    """Return the point that is ``length`` [m] behind another, seen along a heading in the world.
+
+    Args:
+        point: The point ahead [m].
+        length: The distance [m].
+        heading: The heading [rad].
+    """
     x, y = point
     distance = expression(length)
     return subtract(x, times(distance, sympy.cos(heading))), subtract(y, times(distance, sympy.sin(heading)))
@@ -247,7 +277,7 @@ def behind(point: Vector, length: Poly, heading: Expr) -> Vector:
 
 @function("Tzafestas 2.3.6")
 def trailer_positions(robot: Robot, mobility: Mobility) -> Formula:
-    """Pose of the body and headings of the trailers to the centre of each trailer's axle, world frame [m].
+    """Return the centre of each trailer's axle in the world frame [m], for the pose and the headings.
 
     On the axle x_i = x_Q - sum of L_j cos(theta_j).
     """
@@ -269,20 +299,21 @@ def trailer_positions(robot: Robot, mobility: Mobility) -> Formula:
         outputs += [(Port(f"{t.name}.{k}", Role.STATE, "m", text), v) for k, v in zip("xy", at, strict=True)]
         ahead = heading
     inputs = (*POSE, *state_ports(robot.trailers), *tunable_ports(robot))
-    text = "where the axles of the trailers stand"
+    text = "positions of the axles of the trailers"
     return names.formula("trailer_positions", inputs, outputs, text)
 
 
 @function("Tzafestas 2.3.6, (2.70) at rest")
 def steady_circle(robot: Robot, mobility: Mobility) -> Formula:
-    """curvature to ``<trailer>.hitch_angle``, ``<trailer>.speed`` (the body's axle has 1) and ``margin``.
+    """Return hitch angle and speed of each trailer on the steady circle of a curvature, and ``margin``.
 
-    margin is the smallest v_i**2: the steady circle exists where it is not negative. Forward motion is stable on it.
+    Speeds are relative to the speed of the body's axle. The margin is the smallest v_i**2: the steady circle exists if
+    it is not negative. Forward motion on it is stable.
     """
     require_trailers(robot, mobility)
     if fixed_axle(robot, mobility, working_view) is None:
-        why = "its body has no fixed axle that leads the trailers."
-        raise underivable(robot, "steady circle in closed form", why)
+        why = "its body has no fixed axle that leads the trailers"
+        raise underivable(robot, "steady circle in closed form", why, Reason.AXLES)
     names = Locals()
     kappa = signal("curvature")
     bend = names.define("curvature_squared", square(kappa))
@@ -301,11 +332,11 @@ def steady_circle(robot: Robot, mobility: Mobility) -> Formula:
         angle = angle_of(times(expression(length), kappa), speed)
         if hitch:
             angle = add(angle, angle_of(times(expression(hitch), kappa), ahead))
-        text = "heading of what pulls it minus its own, on the steady circle"
+        text = "heading of the vehicle ahead minus its own heading, on the steady circle"
         outputs.append((output(f"{t.name}.hitch_angle", "rad", text), angle))
         text = "speed of its axle per speed of the body's axle, on the steady circle"
         outputs.append((output(f"{t.name}.speed", "", text), speed))
-    text = "smallest squared speed ratio: the steady circle exists where it is not negative"
+    text = "smallest squared speed ratio: the steady circle exists if it is not negative"
     outputs.append((output("margin", "", text), margin))
     text = "hitch angles on the steady circle of constant curvature"
     return names.formula("steady_circle", (CURVATURE, *tunable_ports(robot)), outputs, text)

@@ -1,23 +1,23 @@
-// The live figures: each robot of the page, moved by its own generated functions alone.
+// The live figures: each robot of the page moves by its own generated functions.
 //
-// `robots` are these functions, `data` what the robots look like (wmrgen/pages/live.py). What the sliders ask goes through
-// `inverse` to the joints, or is asked of the joints themselves; the joints go through `forward` to the twist that the
-// robot drives, and that through `odometry` to its pose. Metres, radians, seconds; x forward, y to the left.
+// `robots` has these functions, `data` the geometry of the robots (wmrgen/report/pages/live.py). A slider sets a twist, which
+// `inverse` converts to joint rates and angles, or it sets a joint directly. `forward` converts the joints to the twist of
+// the robot, and `odometry` integrates the twist to a pose. Units are metres, radians and seconds; x is forward, y left.
 
 const TWIST = { vx: "m/s", vy: "m/s", omega: "rad/s" };
 const UNITS = { spin: "rad/s", steer: "°", steer_rate: "rad/s" };
-const SLIDING = 1e-6; // m/s: less is rounding
-const SHOWN = 0.4; // s: a velocity is drawn as the way of that time
-const TICKS = 8; // on a tyre, all round
-const PULLED = 0.005; // s: a step of trailers
-const GROUND = [9, 6]; // width and height of what is seen, in sizes of the largest robot
+const SLIDING = 1e-6; // m/s: smaller slip is a rounding error
+const SHOWN = 0.4; // s: a velocity is drawn as the distance covered in this time
+const TICKS = 8; // tread lines around a tyre
+const PULLED = 0.005; // s: integration step of trailers
+const GROUND = [9, 6]; // width and height of the view, in sizes of the largest robot
 
 const degrees = (angle) => (angle * 180) / Math.PI;
-// A number with so many digits; one that they make 0 has no sign.
+// Formats a number with this many decimals; a number that rounds to 0 has no sign.
 const fixed = (value, digits) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1");
 const joint = (name) => name.slice(name.lastIndexOf(".") + 1);
 
-// An element in `parent`: of HTML, or with `svg` of SVG.
+// Adds an element to `parent`: an HTML element, or an SVG element if `svg` is true.
 function add(parent, kind, attributes = {}, svg = false) {
   const element = svg ? document.createElementNS("http://www.w3.org/2000/svg", kind) : document.createElement(kind);
   set(element, attributes);
@@ -29,7 +29,7 @@ function set(element, attributes) {
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
 }
 
-// How far a robot reaches from P, its trailers half.
+// The distance [m] from P to the outermost wheel, or half the length of the trailers if that is longer.
 function reach(robot) {
   const towed = robot.trailers.reduce((sum, t) => sum + t.hitch + t.length, 0);
   return Math.max(0.05, towed / 2, ...robot.wheels.map((w) => Math.hypot(w.x, w.y) + w.r));
@@ -46,7 +46,7 @@ function hull(points) {
   return [...sorted.reduce(chain, []), ...sorted.reverse().reduce(chain, [])];
 }
 
-// ---- one wheel in the picture: a group at its pivot, turned by heading and steering angle
+// ---- picture of a wheel: a group at its pivot, rotated by heading and steering angle
 
 class WheelPicture {
   constructor(parent, wheel, size) {
@@ -70,12 +70,12 @@ class WheelPicture {
     this.sliding = add(this.group, "line", { class: "slipping", x1: d, y1: o, x2: d, y2: o }, true);
   }
 
-  // `turned`: how far it has rolled. `across`: the velocity of its contact point along its axle.
+  // `turned`: rotation about the axle [rad]. `across`: velocity of the contact point along the axle [m/s].
   draw(steer, turned, across) {
     const { x, y, heading, r, d, o, gamma } = this.wheel;
     set(this.group, { transform: `translate(${x} ${y}) rotate(${degrees(heading + steer)})` });
     if (!this.wheel.rolls) return;
-    // A roller that is seen lies on top and leans the other way than the one at the ground.
+    // The visible rollers are on top of the wheel, where their axes are mirrored against those at the ground.
     const [along, aside] = gamma === null ? [0, 1] : [Math.cos(gamma), -Math.sin(gamma)];
     const half = (0.5 * this.width) / Math.max(0.6, Math.abs(aside));
     this.treads.forEach((tread, k) => {
@@ -88,7 +88,7 @@ class WheelPicture {
   }
 }
 
-// ---- one trailer: a group at the middle of its axle, turned by its heading
+// ---- picture of a trailer: a group at the middle of its axle, rotated by its heading
 
 class TrailerPicture {
   constructor(parent, trailer, half) {
@@ -100,7 +100,7 @@ class TrailerPicture {
     for (const side of [-1, 1]) add(this.group, "rect", { class: "tyre", ...box, y: side * half - 0.1 * half }, true);
   }
 
-  // Behind `front`, the axle that pulls it, (x, y, heading) in the world; its own axle.
+  // Draws the trailer behind `front`, the axle that pulls it; returns its own axle, as (x, y, heading) in the world frame.
   draw(front, heading) {
     const behind = ([x, y, angle], way) => [x - way * Math.cos(angle), y - way * Math.sin(angle)];
     const [x, y] = behind(front, this.trailer.hitch);
@@ -111,22 +111,22 @@ class TrailerPicture {
   }
 }
 
-// ---- one robot: what is asked of it, what it does, its picture and its controls
+// ---- a robot: its wanted motion, its actual motion, its picture and its controls
 
 class Live {
   constructor(parent, robot, functions, size) {
     Object.assign(this, { robot, functions, size });
-    this.mates = [this]; // what is asked of one is asked of all
+    this.mates = [this]; // all robots get the same wanted twist
     this.build(parent);
     this.reset();
   }
 
-  // How fast a path is followed.
+  // The speed [m/s] along a path.
   get cruise() {
     return Math.min(0.5 * this.range("vx")[1], 2 * this.size);
   }
 
-  // The ends of a slider: the limits of the robot file, else what suits its size.
+  // The range of a slider: the limits of the robot file, or a range that suits the robot's size.
   range(name) {
     if (this.robot.limits[name]) return this.robot.limits[name];
     const speed = Math.min(2, 3 * this.size);
@@ -157,14 +157,14 @@ class Live {
     this.ask({ vx: 0, vy: 0, omega: 0 });
   }
 
-  // A twist is asked for.
+  // Sets the wanted twist.
   ask(twist) {
     this.asked = { ...twist };
     this.byTwist = true;
     this.compute();
   }
 
-  // A joint is asked for, the others stay.
+  // Sets one joint; the other joints keep their values.
   askJoint(name, value) {
     this.path = [];
     this.follows = false;
@@ -173,7 +173,7 @@ class Live {
     this.compute();
   }
 
-  // From what is asked to the joints, and from the joints to the twist that is driven.
+  // Computes joints from the wanted twist, then the actual twist from the joints.
   compute() {
     const { inverse, forward } = this.functions;
     if (this.byTwist) {
@@ -182,7 +182,7 @@ class Live {
       this.slip = slip;
     }
     const { slip, ...twist } = forward(this.joints);
-    // What is asked without slip is driven, also where the joints alone do not tell of it: somebody pushes.
+    // Without slip the robot drives the wanted twist, even if the joints alone do not determine it.
     this.twist = this.byTwist && !(this.slip > SLIDING) ? this.asked : twist;
     if (!this.byTwist) {
       this.slip = slip;
@@ -193,7 +193,7 @@ class Live {
     }
   }
 
-  // The motion of `dt` seconds.
+  // Advances the robot by `dt` seconds.
   step(dt) {
     if (this.follows) this.pursue();
     else this.compute();
@@ -209,7 +209,7 @@ class Live {
     }
   }
 
-  // The trailers follow for `dt` seconds, from the present pose.
+  // Advances the trailers by `dt` seconds from the present pose.
   tow(dt) {
     if (!this.robot.trailers.length) return;
     const steps = Math.ceil(dt / PULLED);
@@ -220,7 +220,7 @@ class Live {
     }
   }
 
-  // The twist towards the first point of the path that is further away than the look-ahead (pure pursuit).
+  // Sets the twist towards the first point of the path beyond the look-ahead distance (pure pursuit).
   pursue() {
     const { x, y, theta } = this.pose;
     const away = (p) => Math.hypot(p[0] - x, p[1] - y);
@@ -248,7 +248,7 @@ class Live {
     return this.follows || Object.values(this.twist).some((v) => Math.abs(v) > 1e-9);
   }
 
-  // The centre of rotation in the robot's frame; nothing where the robot stands or drives straight on.
+  // The centre of rotation in the robot frame; null if the robot is at rest or drives straight.
   get icr() {
     const { vx, vy, omega } = this.twist;
     return Math.abs(omega) > 1e-6 * (1 + Math.hypot(vx, vy) / this.size) ? [-vy / omega, vx / omega] : null;
@@ -289,7 +289,7 @@ class Live {
     this.drawable();
   }
 
-  // Work on this robot and those beside it.
+  // Calls `work` for all robots of the page.
   each(work) {
     for (const mate of this.mates) {
       work(mate);
@@ -299,7 +299,7 @@ class Live {
 
   slider(parent, name, unit, kind) {
     const label = add(parent, "label", { class: kind });
-    add(label, "span", { class: "name", title: name }).textContent = name.replace(".", ".\u200b"); // may break there
+    add(label, "span", { class: "name", title: name }).textContent = name.replace(".", ".\u200b"); // a line may break after the dot
     const [min, max] = this.range(name);
     const input = add(label, "input", { type: "range", name, min, max, step: (max - min) / 400, "aria-label": name });
     const output = add(label, "output", { "data-name": name });
@@ -314,7 +314,7 @@ class Live {
     return { name, unit, kind, input, output };
   }
 
-  // A path that is drawn with the pointer is followed once the pointer is lifted.
+  // Lets the user draw a path with the pointer. The robot follows it when the pointer is lifted.
   drawable() {
     let drawing = false;
     const place = (event) => {
@@ -362,7 +362,7 @@ class Live {
     this.tell();
   }
 
-  // How fast the contact point of a wheel that must not slide would move along its axle.
+  // The sideways velocity [m/s] of the contact point of a wheel that must not slide.
   across(wheel, steer) {
     if (!wheel.zero || wheel.swivels || !(this.slip > SLIDING)) return 0;
     const [c, s] = [Math.cos(wheel.heading + steer), Math.sin(wheel.heading + steer)];
@@ -371,7 +371,7 @@ class Live {
     return c * (vy + omega * x) - s * (vx - omega * y);
   }
 
-  // The ground keeps still until the robot comes near its edge.
+  // Moves the view only when the robot comes near its edge.
   look() {
     const [width, height] = GROUND.map((n) => n * this.size);
     const at = [this.pose.x, this.pose.y];
@@ -400,15 +400,15 @@ class Live {
     this.state.classList.toggle("slips", slides);
     const slip = `slip ${this.slip.toFixed(3)} m/s. `;
     const why = !slides ? "" : this.byTwist
-      ? `The wheels cannot do all of what is asked: ${slip}`
-      : `The wheels contradict one another: ${slip}`;
+      ? `The wheels cannot drive this twist without sliding: ${slip}`
+      : `The wheel rates are inconsistent: ${slip}`;
     this.state.textContent =
-      `${why}It drives vx ${fixed(vx, 3)} m/s, vy ${fixed(vy, 3)} m/s, ω ${fixed(omega, 3)} rad/s` +
+      `${why}Actual twist: vx ${fixed(vx, 3)} m/s, vy ${fixed(vy, 3)} m/s, ω ${fixed(omega, 3)} rad/s` +
       `${icr ? ` about the ICR (${icr}) m` : ""}. One square is ${+this.square.toPrecision(1)} m.`;
   }
 }
 
-// ---- all robots of the page, in step
+// ---- all robots of the page, synchronised
 
 const parent = document.getElementById("live");
 if (parent) {

@@ -14,9 +14,10 @@ from tests.ir.selftest.every import NAMES
 from tests.robots import of_gallery
 from wmrgen.codegen.c import sources
 from wmrgen.codegen.c.emit import unit
-from wmrgen.codegen.c.records import Step, of
+from wmrgen.codegen.c.functions import call
 from wmrgen.codegen.compiler import compile_program, run_program
 from wmrgen.codegen.signature import arguments, members
+from wmrgen.codegen.unit import Step, place_of
 from wmrgen.geometry.ports import JOINTS, POSE, TWIST, output
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Module, Port, Role
@@ -140,9 +141,11 @@ def one_variable(step: Step, robot: str) -> str:
     for given, result in pairs:
         lines += [f"    memset(&{result}, 0, sizeof {result});"]
         lines += [f"    {place} = any();" for place in step.inputs.values()]
-        lines += [f"    {step.call()};", f"    {step.call({result: given})};"]
+        lines += [f"    {call(step)};", f"    {call(step, {result: given})};"]
         out = next(p for p in step.parameters if p.name == result)
-        lines += [f"    wrong += differ({of(given, m)}, {of(result, m)});" for m in out.writes.values()]
+        lines += [
+            f"    wrong += differ({place_of(given, m)}, {place_of(result, m)});" for m in out.writes.values()
+        ]
     return "\n".join([*lines, "    return wrong;", "}"]) if pairs else ""
 
 

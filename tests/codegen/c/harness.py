@@ -19,8 +19,8 @@ from tests.depth import everyday
 from tests.robots import ROBOTS, of_gallery
 from wmrgen.codegen.c.driver import Call, answer, calls, driver, request
 from wmrgen.codegen.c.emit import printed, unit
-from wmrgen.codegen.c.records import Unit
 from wmrgen.codegen.compiler import compile_program, run_program
+from wmrgen.codegen.unit import Unit
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, Arithmetic, evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import DEFAULT, Choice

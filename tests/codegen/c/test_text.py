@@ -113,7 +113,7 @@ def test_letters_keep_their_sense() -> None:
 
 def test_members_that_clash_are_told_apart() -> None:
     ports = tuple(Port(name, Role.STATE, "") for name in ("vx", "vx.spin", "vx.steer"))
-    assert struct("s", ports, "float", "n").members == {
+    assert struct("s", ports, "n").members == {
         "vx": "vx",
         "vx.spin": "vx_.spin",
         "vx.steer": "vx_.steer",

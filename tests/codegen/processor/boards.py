@@ -14,7 +14,8 @@ from tests.conftest import put
 from tests.ir.selftest.every import files_of, place_of
 from wmrgen.codegen.c import sources
 from wmrgen.codegen.c.emit import unit
-from wmrgen.codegen.c.records import Step
+from wmrgen.codegen.c.functions import call
+from wmrgen.codegen.unit import Step
 from wmrgen.ir.interpret import evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
@@ -101,7 +102,7 @@ def _check(module: Module, step: Step, target: str, count: int) -> str:
         *(f"        {kind} {name};" for name, kind in step.variables.items()),
     ]  # fmt: skip
     lines += [f"        {m} = number(in_{step.name}[k][{i}]);" for i, m in enumerate(step.inputs.values())]
-    lines += [f"        {step.call()};"]
+    lines += [f"        {call(step)};"]
     lines += [
         f"        wrong += word({m}) != out_{step.name}[k][{i}];" for i, m in enumerate(step.outputs.values())
     ]

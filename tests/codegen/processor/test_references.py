@@ -17,7 +17,7 @@ from benchmarks.emulator.zig import FLAGS
 from benchmarks.jobs import JOBS, Job, derivations, outputs
 from benchmarks.processor import inputs as every_input
 from benchmarks.processor import references
-from wmrgen.codegen.c.functions import Step
+from wmrgen.codegen.unit import Step
 from wmrgen.ir.calls import nominal
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, evaluate_module
 

@@ -199,7 +199,7 @@ def test_vectors_under_jax(tmp_path: Path, jax: Any) -> None:
     for found in (file.ode(x, u), jax.jit(file.ode)(x, u), jax.vmap(lambda each: file.ode(each, u))(x)):
         np.testing.assert_allclose(found, expectation, rtol=1e-12)
     assert np.isfinite(jax.jacrev(file.ode)(x[0], u)).all()
-    with pytest.raises(ValueError, match=r"not \(\.\.\., 3\)"):
+    with pytest.raises(ValueError, match=r"\b2\b.*\b3\b"):
         file.ode(x[:, :2], u)
 
 
@@ -245,7 +245,7 @@ def test_results_are_no_views(tmp_path: Path) -> None:
 
 
 def test_shapes_that_do_not_broadcast(alone: Callable[..., Any]) -> None:
-    with pytest.raises(ValueError, match="broadcast"):
+    with pytest.raises(ValueError, match=r"\(2,\),? \(3,\)"):
         alone(np.ones(2), np.ones(3))
 
 

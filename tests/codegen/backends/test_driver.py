@@ -69,9 +69,9 @@ def test_numbers_cross_unchanged() -> None:
     assert list(answer(call, " ".join(v.hex() for v in results)).items()) == list(
         zip(call.outputs, results, strict=True)
     )
-    with pytest.raises(UsageError, match="needs a value for vx"):
+    with pytest.raises(UsageError, match=r"\bvx\b"):
         request(0, call, {k: v for k, v in values.items() if k != "vx"})
-    with pytest.raises(ValueError, match="shorter"):
+    with pytest.raises(ValueError):  # fewer numbers than outputs
         answer(call, "0x0p+0")
 
 

@@ -68,7 +68,7 @@ def test_kernels_of_two_targets_do_not_share_a_file(tmp_path: Path) -> None:
     compile_program(tmp_path, ["both.c"], COMPILERS[0], (*STRICT, *DRIVERLESS))
     for other in (Choice(target="host"), Choice(math="libm"), Choice("double", "libm")):
         write(tmp_path, second, other)
-        with pytest.raises(EnvironmentFailure, match="kernels of another"):
+        with pytest.raises(EnvironmentFailure, match=r"#error.*--target"):
             compile_program(tmp_path, ["both.c"], COMPILERS[0], (*STRICT, *DRIVERLESS))
 
 
@@ -76,7 +76,7 @@ def test_a_mixed_pair_does_not_compile(tmp_path: Path) -> None:
     write(tmp_path, mecanum(), facts=Facts(model_hash="1"))
     header, _ = sources(mecanum(), facts=Facts(model_hash="2"))
     (tmp_path / "mecanum.h").write_text(header)
-    with pytest.raises(EnvironmentFailure, match="not generated together"):
+    with pytest.raises(EnvironmentFailure, match=r"#error.*mecanum\.h"):
         compile_program(tmp_path, ["mecanum.c"], None, DRIVERLESS)
 
 
@@ -92,7 +92,7 @@ def test_evil_texts(compiler: str, tmp_path: Path) -> None:
 def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("CC", raising=False)
-    with pytest.raises(EnvironmentFailure, match="apt-get install gcc") as caught:
+    with pytest.raises(EnvironmentFailure, match="gcc") as caught:
         evaluate_c(mecanum(), [("inverse", {"vx": 1.0, "vy": 0.0, "omega": 0.0})])
     assert caught.value.exit_code == 4
     monkeypatch.setenv("CC", "no-such-cc")

@@ -1,6 +1,6 @@
-"""Checked functions: a status and safe outputs at the edges, the function itself everywhere else.
+"""Checked functions: status and safe outputs outside the accepted ranges, the function itself inside.
 
-What is expected stands here, written by hand from the robot files.
+The expected values are written by hand from the robot files.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ ACKERMANN = """
     EXPECT(ackermann_car_inverse_checked(&in, &now, &now) == ACKERMANN_CAR_OUT_OF_RANGE);
     EXPECT(now.front_right.steer == -0.1f && now.rear_right.spin == 0.0f);
 """
-# Whatever twist comes in, what the limits leave of it drives the robot.
+# For every twist, the limited twist drives the robot.
 LIMITING = """
     pioneer3dx_params params;
     pioneer3dx_prepared prepared;

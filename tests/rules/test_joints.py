@@ -117,12 +117,12 @@ ONE_TYPE = """
 
 
 def test_every_joint_that_the_loop_reads_is_of_the_shared_type(tmp_path: Path) -> None:
-    """Without a struct of one function alone, which the example would leave at 0, dt in it too."""
+    """No function has its own struct, which the example would leave at 0, including dt."""
     assert printed(tmp_path, COUPLED, ONE_TYPE) == ""
 
 
 def test_a_limit_of_a_passive_joint_changes_no_type() -> None:
-    """Neither in C nor in Rust, which both go by the joints of the module."""
+    """This holds in C and in Rust: both use the joints of the module."""
     wheels = (
         "castor, d: 0.03, x: 0.4, y: 0, heading: 0, r: 0.05",
         "steered, x: 0.4, y: 0, heading: 0, r: 0.05, actuated: []",

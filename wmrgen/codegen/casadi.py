@@ -340,7 +340,7 @@ def step(model: OfVectors, odometry: Function, kind: str, dt: Any = None) -> OfV
     free = dt is None or (isinstance(dt, (ca.SX, ca.MX)) and dt.is_symbolic() and dt.is_scalar())
     if not free and not _is_time(dt):
         raise UsageError(
-            f"dt is {dt}, not a positive number. Write dt in seconds, such as 0.05, or omit it: dt is then an input."
+            f"dt is {dt}: a step takes time. Write dt in seconds, such as 0.05, or omit it: dt is then an input."
         )
     symbol: Any = (
         ca.MX.sym if kind == "collocation" else ca.SX.sym
@@ -412,6 +412,6 @@ def _exact(model: ca.Function, odometry: ca.Function, vectors: Sequence[ca.SX], 
 
 
 _NOT_EXACT = (
-    "the exact step needs a twist that depends only on the inputs, and no angles that follow the motion. Use the form "
+    "the exact step needs a twist that the inputs alone decide, and no angles that follow the motion. Use the form "
     "twist, or a step of kind rk4 or collocation."
 )

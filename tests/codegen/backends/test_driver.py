@@ -1,4 +1,4 @@
-"""Programs that call generated C: lines of numbers there and back, and the sines that an analyser is given."""
+"""Programs that call generated C: the exchange of numbers, and bounds of sines for an analyser."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def module() -> Module:
 
 
 def test_sines_for_the_analyser() -> None:
-    """Steps of 1/8 as far as an angle needs, each true to a library that is off by 1e-6, and not much wider."""
+    """In each step of 1/8 the bounds hold for a library with errors of 1e-6, and they are not much wider."""
     text = harness(module(), {}, waves=True)[HARNESS]
     assert "eva_sin" not in harness(module(), {})[HARNESS]
     for name, wave in (("sin", math.sin), ("cos", math.cos)):
@@ -37,7 +37,7 @@ def test_sines_for_the_analyser() -> None:
             assert max(-1.0, min(values) - 0.9e-6) >= low >= min(values) - 0.0081
             assert min(1.0, max(values) + 0.9e-6) <= high <= max(values) + 0.0081
             assert -1 <= low < high <= 1
-            if max(abs(v) for v in values) < 0.99:  # no turning point near
+            if max(abs(v) for v in values) < 0.99:  # no extremum nearby
                 assert high - low < max(values) - min(values) + 3e-6
         assert "return Frama_C_float_interval(-1.0f, 1.0f);" in body.splitlines()[-1]
 

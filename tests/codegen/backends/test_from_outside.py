@@ -1,4 +1,4 @@
-"""A backend for another language is one module and one entry, from outside the package, with nothing inside touched."""
+"""A backend for another language needs one module and one entry, and no change to the package."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ROBOTS = ("pioneer3dx", "ackermann_car", "wpilib_swervebot", "kuka_youbot")
 
 @pytest.fixture
 def lua() -> Iterator[None]:
-    """The backend, registered."""
+    """Register the backend."""
     register(ENTRY)
     yield
     del BACKENDS[ENTRY.name]

@@ -64,7 +64,7 @@ def test_words_of_c_are_kept_in_any_case() -> None:
 
 
 def test_no_macro_of_what_the_c_includes_is_a_name() -> None:
-    """Macros without arguments of these headers, as gcc defines them unasked: `out->M_PI` would not be C."""
+    """Macros without arguments of these headers in gcc are reserved, because `out->M_PI` would not compile."""
     headers = "".join(f"#include <{name}.h>\n" for name in ("math", "stdint", "float"))
     command = [tool("gcc"), "-x", "c", "-dM", "-E", "-"]
     done = subprocess.run(command, input=headers, capture_output=True, text=True, check=True)
@@ -78,7 +78,7 @@ def test_no_macro_of_what_the_c_includes_is_a_name() -> None:
     "chip", ["atmega8", "atmega328p", "atmega2560", "atmega32u4", "attiny84", "attiny85"]
 )
 def test_no_short_macro_is_missing(chip: str, tmp_path: Path) -> None:
-    """Of what a sketch includes: macros without arguments that may be names, of up to three letters."""
+    """Macros without arguments and with up to three letters, in the headers that a sketch includes."""
     need("avr-g++")
     if not CORE.is_dir():
         missing("not installed: arduino-core-avr")

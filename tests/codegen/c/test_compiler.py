@@ -40,7 +40,7 @@ def test_which_compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
         monkeypatch.setenv("PATH", str(tmp_path))
         monkeypatch.delenv("CC", raising=False)
         path = str(program(tmp_path, name))
-        if name in ("clang", "gcc", "cc"):  # each goes before those that are there already
+        if name in ("clang", "gcc", "cc"):  # each is preferred to those before it
             assert find_compiler() == find_compiler("") == (path,)
     monkeypatch.setenv("CC", "mine")
     assert find_compiler() == (str(tmp_path / "mine"),)
@@ -73,7 +73,7 @@ def test_cc_is_split_as_make_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 @POSIX
 @COMPILED
 def test_a_wrapper_of_the_compiler_is_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It gets the compiler and all its arguments."""
+    """The wrapper gets the compiler and all its arguments."""
     wrapper = program(tmp_path, "wrapper")
     wrapper.write_text(f'#!/bin/sh\necho "$1" > "{tmp_path}/called"\nexec "$@"\n')
     monkeypatch.setenv("CC", f"{wrapper} {COMPILERS[0]}")
@@ -116,7 +116,7 @@ def test_twenty_lines_of_a_failure_are_said() -> None:
 
 @POSIX
 def test_a_program_leads_a_group_of_its_own() -> None:
-    """So it is ended together with those that it started."""
+    """A program is therefore ended together with its children."""
     assert python("import os; print(os.getpgrp() == os.getpid())").strip() == "True"
 
 

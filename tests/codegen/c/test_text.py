@@ -1,4 +1,5 @@
-"""The text of generated C: literals, comments, structs, straight lines without state, the guard of the pair."""
+"""The text of generated C: literals, comments, structs, straight-line bodies without state, the digest of header and
+source."""
 
 from __future__ import annotations
 
@@ -36,12 +37,12 @@ BITS = re.compile(
     r"^static inline float wmrgen_(?:negate_if_odd|with_sign_of|clamp|at_least)\(float a, float [bmn]\)\n\{\n.*?^\}\n",
     flags=re.S | re.M,
 )
-# What reads counters: whole numbers, and a call of the function of their differences.
+# The function that reads counters: integers, and a call of the function of their differences.
 COUNTERS = re.compile(r"^void \w+_joints_from_counters\([^{}]*\)\n\{[^{}]*\}\n", re.MULTILINE)
 STATEMENT = re.compile(
     r"((const (float|double|wmrgen_\w+) \w+|\*?[\w.>-]+) = |return )[^;{}]+|wmrgen_\w+ result"
 )
-# The one function that is no straight line of assignments, and the assertion of the layout that it relies on.
+# The only function with a condition, and the assertion of the memory layout on which it relies.
 JOINT = re.compile(
     r"^typedef char \w+_wheels_are_joints\[\n.*?\];\n\n(?:float|double) \*\w+_joint\(.*?^\}\n",
     flags=re.S | re.M,
@@ -141,7 +142,7 @@ def assert_plain(text: str, scalar: str) -> None:
         assert not re.search(r"\d\.\d+(e-?\d+)?(?![\df.e])", code_of(FUSED.sub("", text)))
 
 
-# What a function does where least flash is asked for, and else.
+# The body of a function for least flash, and its normal body.
 WHERE_SMALL = re.compile(
     r"^#if defined\(WMRGEN_SMALL\)\n(.*?)^#else\n(.*?)^#endif\n", re.MULTILINE | re.DOTALL
 )
@@ -150,7 +151,7 @@ WHERE_SMALL = re.compile(
 @pytest.mark.parametrize("scalar", ["float", "double"])
 @pytest.mark.parametrize("name", [*SMALL, *NAMES])
 def test_straight_lines_only(name: str, scalar: str) -> None:
-    """Bodies are assignments of expressions; outside them nothing is defined, so there is no state."""
+    """Bodies are assignments of expressions. Nothing is defined outside of functions, so there is no state."""
     module = SMALL.get(name) or of_gallery(name).c_module
     header, source = sources(module, Choice(scalar=scalar))
     for least in (small for small, _ in WHERE_SMALL.findall(source)):

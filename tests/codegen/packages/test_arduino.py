@@ -27,7 +27,7 @@ def test_the_self_test_says_ok(robot: str, flags: str, tmp_path: Path) -> None:
     assert flash <= 32256 and ram <= 500
 
 
-# Fills the memory above the variables, and tells how much of it the stack has reached.
+# Fills the memory above the variables, and returns how much of it the stack has used.
 PAINT = """
 extern "C" uint8_t __heap_start;
 static void __attribute__((noinline)) paint()

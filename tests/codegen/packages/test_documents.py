@@ -1,4 +1,4 @@
-"""docs/microcontroller.md: its commands, as they are printed, in an empty folder."""
+"""The commands of docs/microcontroller.md, run as printed in an empty folder."""
 
 from __future__ import annotations
 

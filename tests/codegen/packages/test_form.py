@@ -1,4 +1,4 @@
-"""What stands in every package: the C as `derive` writes it, no stray ``main``, metadata that its language can read."""
+"""The content of every package: the C as `derive` writes it, no ``main`` among the sources, valid metadata."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SAID = "5\" wheels & 'casters' <50 % off; $HOME \\n #1: {x} é"
 
 @pytest.fixture
 def told(tmp_path: Path) -> Path:
-    """A robot whose description holds what each language quotes."""
+    """Write a robot file whose description has characters that languages must quote."""
     path = tmp_path / "pair.yaml"
     path.write_text(DIFFERENTIAL.replace("parameters:", f"description: {json.dumps(SAID)}\nparameters:"))
     return path
@@ -108,7 +108,7 @@ def test_every_template_is_a_file_of_its_kind() -> None:
 
 @pytest.mark.parametrize("kind", everyday(KINDS, ["arduino"]))
 def test_what_is_swept_up_defines_no_main(kind: str, tmp_path: Path) -> None:
-    """Arduino and PlatformIO compile whatever lies below ``src``; an example is left out there."""
+    """Arduino and PlatformIO compile every file below ``src``, so there is no example in it."""
     need("gcc", "nm")
     files = of_gallery("pioneer3dx", kind)
     put(tmp_path, files)
@@ -162,7 +162,7 @@ CALLS = {
 @pytest.mark.parametrize("compiler", ["g++", "clang++"])
 @pytest.mark.slow
 def test_the_header_for_cpp(robot: str, compiler: str, tmp_path: Path) -> None:
-    """Strict C++17; views are of the variables themselves, in the order of the joints."""
+    """The header is strict C++17; views point to the variables, in the order of the joints."""
     need("gcc", compiler)
     put(tmp_path, of_gallery(robot, "cmake"))
     (tmp_path / "main.cpp").write_text(CPP.format(robot, CALLS[robot], robot.upper()))
@@ -173,7 +173,7 @@ def test_the_header_for_cpp(robot: str, compiler: str, tmp_path: Path) -> None:
 
 
 def test_the_header_for_cpp_has_every_function(tmp_path: Path) -> None:
-    """Also those that take structs of their own, pass covariances or give scalars."""
+    """This includes functions with their own structs, with covariances, and with scalar outputs."""
     need("g++")
     robot = tmp_path / "pair.yaml"
     robot.write_text(
@@ -217,7 +217,7 @@ def test_arduino_s_properties() -> None:
     assert re.fullmatch(r"[A-Za-z0-9][\w .-]{0,62}", fields["name"])
     assert f"{SOURCES}/{fields['includes']}" in files
     for name in files:
-        if name.startswith("examples/"):  # a sketch is called as its folder
+        if name.startswith("examples/"):  # a sketch has the name of its folder
             _, folder, file = name.split("/")
             assert file == f"{folder}.ino"
     words = [line.split("\t") for line in files["keywords.txt"].decode().splitlines()]

@@ -1,4 +1,4 @@
-"""Names as people have them: FL, frontRight and a robot MyBot stay as they are in every output, which compiles."""
+"""Names in mixed case (FL, frontRight, MyBot) are unchanged in all outputs, which compile."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wno-float-conversion -Werror"
 
 
 def node(folder: Path, robot: str) -> Path:
-    """The node of a package, built with the package's own CMakeLists.txt."""
+    """Build the node of a package with the package's CMakeLists.txt."""
     need("cmake", "ctest", "g++", "gcc")
     run(
         folder,
@@ -40,7 +40,7 @@ def node(folder: Path, robot: str) -> Path:
 
 
 def spoken(program: Path, events: Sequence[str]) -> list[list[str]]:
-    """What the node publishes of these events, by words."""
+    """Return what the node publishes for these events."""
     done = subprocess.run([program], input="\n".join(events), capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
     return [line.split() for line in done.stdout.splitlines()]
@@ -64,7 +64,7 @@ PAIR = DIFFERENTIAL + "limits: {vx: 1, omega: 2}\n"
 
 
 def pair(folder: Path, text: str) -> Path:
-    """The node of a differential drive whose robot file is ``text``."""
+    """Build the node of a differential drive with the robot file ``text``."""
     robot = folder / "pair.yaml"
     robot.write_text(text)
     put(folder / "pair", files_of(robot, "ros2"))
@@ -73,7 +73,7 @@ def pair(folder: Path, text: str) -> Path:
 
 @pytest.mark.slow
 def test_a_differential_drive_drives_a_circle(tmp_path: Path) -> None:
-    """Wheels that do what they are told, for 2 s: then the pose is on the circle of the command."""
+    """Wheels follow their commands for 2 s: the pose is then on the commanded circle."""
     program = pair(tmp_path, PAIR)
     vx, omega, radius, half = 0.4, 0.5, 0.0975, 0.1655
     left, right = (vx - half * omega) / radius, (vx + half * omega) / radius
@@ -107,12 +107,12 @@ def test_what_is_old_broken_or_of_others_moves_nothing(tmp_path: Path) -> None:
         program,
         [
             "clock 1", "cmd_vel 0.1 0 0",
-            "joint_states 1 gripper 1 0",                    # of others: nothing is said
-            f"joint_states 1 {turning}",                     # the first: commands alone
+            "joint_states 1 gripper 1 0",                    # joints of another node: ignored
+            f"joint_states 1 {turning}",                     # the first message: commands only
             f"joint_states 1.1 left_spin {nan} 0 right_spin 1 0",  # a warning, no odometry
             "clock 2", f"joint_states 1.2 {turning}",        # the command is a second old
-            "cmd_vel 99 0 0", f"joint_states 1.3 {turning}",  # faster than its limits: it stops
-            f"joint_states 0.5 {turning}",                   # a log starts anew
+            "cmd_vel 99 0 0", f"joint_states 1.3 {turning}",  # faster than its limits: the robot stops
+            f"joint_states 0.5 {turning}",                   # a log restarts
         ],
     )  # fmt: skip
     assert [words[0] for words in said] == [
@@ -136,7 +136,7 @@ def test_a_swerve_drive_is_commanded_by_position_and_velocity(tmp_path: Path) ->
     still = " ".join(f"{m}_spin 0 9 {m}_steer 9 0.1" for m in modules)
     events = ["clock 1", "cmd_vel 0 1 0", f"joint_states 1 {still}", f"joint_states 2 {still}"]
     commanded = [words for words in spoken(program, events) if words[0] == "joint_commands"]
-    first = commanded[1]  # at the first, no time has passed for the limits of acceleration
+    first = commanded[1]  # in the first step, no time has passed for the limits of acceleration
     commands = {
         name: (float(v), float(p)) for name, v, p in zip(first[1::3], first[2::3], first[3::3], strict=True)
     }
@@ -152,20 +152,20 @@ def test_a_swerve_drive_is_commanded_by_position_and_velocity(tmp_path: Path) ->
     ]
     said = [words for words in spoken(program, resting) if words[0] == "joint_commands"]
     angles = [float(words[6]) for words in said]
-    assert angles == pytest.approx([0.1] * 4)  # as they stand at first, whatever is measured later
+    assert angles == pytest.approx([0.1] * 4)  # the initial commands; later measurements have no effect
 
 
 FLAGS = ("-std=c++17", *WARNINGS.split(), f"-I{STUBS / 'include'}")
 
 
 def included(node: str) -> str:
-    """What a node takes from the standard library and from ROS."""
+    """The headers that a node includes from the standard library and from ROS."""
     return "".join(line for line in node.splitlines(keepends=True) if line.startswith("#include <"))
 
 
 @pytest.fixture(scope="module")
 def header(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What every node includes, compiled once."""
+    """Compile the headers that every node includes, once."""
     need("g++")
     folder = tmp_path_factory.mktemp("header")
     (folder / "node.hpp").write_text(
@@ -178,7 +178,7 @@ def header(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.slow
 @pytest.mark.parametrize("robot", sorted(GALLERY - {"office_chair"}))
 def test_the_node_of_every_robot_compiles(robot: str, header: Path, tmp_path: Path) -> None:
-    """The chair has neither motors nor sensors, and no node."""
+    """The chair has neither motors nor sensors, so it has no node."""
     put(tmp_path, of_gallery(robot, "ros2"))
     node = tmp_path / "node" / f"{robot}_node.cpp"
     assert included(node.read_text()) == header.read_text()

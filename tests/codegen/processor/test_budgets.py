@@ -1,4 +1,4 @@
-"""Budgets: measured on the emulated Cortex-M4F, the same every time, and any growth is told."""
+"""Budgets: measured on the emulated Cortex-M4F, reproducible, and any growth is reported."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def test_the_check_fails_and_says_what_to_do(
 
 
 def test_wmrgen_leaves_a_budget_where_it_stands(tmp_path: Path) -> None:
-    """`derive` does not measure: the file belongs to `benchmarks`, and `check` does not call it a stranger."""
+    """`derive` does not measure. The file belongs to `benchmarks`, and `check` does not report it as unknown."""
     place = tmp_path / "robot"
     write_tree(place, {"a.c": b"1"})
     (place / BUDGET).write_bytes(b"{}")
@@ -97,7 +97,7 @@ def test_wmrgen_leaves_a_budget_where_it_stands(tmp_path: Path) -> None:
     ("robot", "fit", "most"), [("pioneer3dx", "forward", 400), ("wpilib_swervebot", "forward_slip", 1200)]
 )
 def test_the_loop_with_covariance(robot: str, fit: str, most: int) -> None:
-    """From measured joints to commands, as budget.json has it, counters too."""
+    """The budget of a control step, from measured joints to commands, includes counters."""
     budget = budgets.read(budgets.GENERATED / robot / BUDGET)
     assert budget is not None
     loop = ("joints_from_counts", fit, "forward_covariance", "odometry_covariance", "limit_twist",

@@ -67,7 +67,7 @@ def test_the_count_does_not_depend_on_what_an_it_block_skips(machine: Machine, n
     ],
 )
 def test_cycles_are_those_of_the_manual(machine: Machine, name: str, cycles: int) -> None:
-    """Of each instruction in turn."""
+    """For each instruction in turn."""
     assert machine.call(name, 0x2000_1000).cycles == cycles
 
 

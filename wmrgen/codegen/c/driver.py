@@ -208,7 +208,7 @@ def alarms(output: str) -> tuple[str, ...]:
     lines = text.splitlines()
     alarms = [line.removeprefix("[eva:alarm] ") for line in lines if line.startswith("[eva:alarm]")]
     if "done for function main" not in text:
-        alarms.append("the analysis did not complete: " + " ".join(lines[-3:]))
+        alarms.append("the analysis did not come to its end: " + " ".join(lines[-3:]))
     if "using specification for function" in text:
         named = re.findall(r"using specification for function (\w+)", text)
         alarms += [f"no code and no built-in function for {n}" for n in named if n not in _KNOWN]

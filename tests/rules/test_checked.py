@@ -206,7 +206,7 @@ def test_status_and_safe_outputs(robot: str, body: str, compiler: str, tmp_path:
     assert run_program(compile_program(tmp_path, sources, compiler, (*STRICT[:2], "-O2")), "") == ""
 
 
-def test_refuses_to_lose_its_checks(tmp_path: Path) -> None:
+def test_options_that_remove_checks_are_rejected(tmp_path: Path) -> None:
     """-ffast-math lets a compiler assume that there is no NaN."""
     put(tmp_path, files_of("lekiwi"))
     with pytest.raises(Exception, match="ffast-math"):

@@ -116,7 +116,7 @@ PLANTED = {
 
 @pytest.mark.parametrize("fault", everyday(PLANTED, ["a range left out", "a limit left out"]))
 @pytest.mark.slow
-def test_finds_what_is_planted(fault: str, tmp_path: Path) -> None:
+def test_planted_faults_are_found_by_fuzzing(fault: str, tmp_path: Path) -> None:
     robot, *change = PLANTED[fault]
     done = run(compiled(tmp_path, robot, (change[0], change[1])))
     assert done.returncode != 0 and "deadly signal" in done.stderr, done.stderr[-3000:]

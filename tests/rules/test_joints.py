@@ -145,12 +145,12 @@ def test_steering_keeps_its_limits(function: str, tmp_path: Path) -> None:
     assert printed(tmp_path, BICYCLE, ANGLE.format(function=function, angles=angles, **values)) == ""
 
 
-def test_a_virtual_wheel_keeps_those_of_its_wheels(tmp_path: Path) -> None:
+def test_a_virtual_wheel_is_within_the_limits_of_its_wheels(tmp_path: Path) -> None:
     angles = "0.87f, 0.88f, -0.87f, -0.88f, 3.0f, 0.0f"
     declared = "const probed_pose pose = {0.0f, 0.0f, 0.0f}; probed_posture_out out;"
     values = {"declared": declared, "wheels": "probed_posture_in", "arguments": "&pose, &in, &out"}
     assert printed(tmp_path, CAR, ANGLE.format(function="posture", angles=angles, **values)) == ""
 
 
-def test_rates_keep_theirs(tmp_path: Path) -> None:
+def test_rates_are_within_their_limits(tmp_path: Path) -> None:
     assert printed(tmp_path, BICYCLE, RATES) == ""

@@ -91,12 +91,12 @@ BODY = """
 
 
 @pytest.mark.parametrize("scalar", everyday(["float", "double"], ["float"]))
-def test_far_from_nominal_is_refused(scalar: str, tmp_path: Path) -> None:
+def test_parameters_far_from_nominal_are_rejected(scalar: str, tmp_path: Path) -> None:
     body = BODY.replace("SCALAR", scalar)
     assert printed(tmp_path, TUNABLE, body, scalar) == ""
 
 
-def test_nothing_is_tunable(tmp_path: Path) -> None:
+def test_without_tunable_parameters_nothing_is_checked(tmp_path: Path) -> None:
     """Without tunable parameters, neither code nor comments mention a check of parameters."""
     fixed = TUNABLE.replace(", tunable: true", "")
     assert printed(tmp_path, fixed, "    (void)bad; (void)k;\n") == ""

@@ -42,7 +42,7 @@ def test_sines_for_the_analyser() -> None:
         assert "return Frama_C_float_interval(-1.0f, 1.0f);" in body.splitlines()[-1]
 
 
-def test_the_analyser_is_told_of_them() -> None:
+def test_the_analyser_gets_the_bounds_of_sines() -> None:
     assert command("frama-c", "bot")[-2:] == [HARNESS, "bot.c"]
     assert "-cpp-extra-args=-Dsinf=eva_sinf -Dcosf=eva_cosf" in command("frama-c", "bot", waves=True)
     assert not any("eva_sin" in word for word in command("frama-c", "bot"))

@@ -73,7 +73,7 @@ def test_eval_computes_with_it(wmrgen_cli: Cli, tmp_path: Path, name: str, funct
         assert mine == pytest.approx(right, rel=1e-12, abs=1e-12)
 
 
-def test_its_words_are_reserved_while_it_is_there(
+def test_its_words_are_reserved_while_it_is_registered(
     wmrgen_cli: Cli, robot_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot_file.write_text(robot_file.read_text().replace("name: left", "name: end"))
@@ -103,14 +103,14 @@ def test_an_unknown_word_lists_the_backends(wmrgen_cli: Cli, robot_file: Path) -
         Entry("other", "other", "module", "other", files=ENTRY.files + BACKENDS["numpy"].files),
     ],
 )
-def test_what_is_taken_is_refused(entry: Entry) -> None:
+def test_a_name_or_file_that_is_taken_is_rejected(entry: Entry) -> None:
     with pytest.raises(ValueError, match=r"\b(c99|numpy|exact)\b"):
         register(entry)
     assert "other" not in BACKENDS and BACKENDS["c99"].word == "c"
 
 
 @pytest.mark.parametrize("name", ["wpilib_swervebot", "pioneer3dx"])
-def test_entries_say_what_their_backends_write(name: str) -> None:
+def test_entries_list_the_files_of_their_backends(name: str) -> None:
     folder = ROOT / "generated" / name
     files = [p for p in folder.rglob("*") if p.is_file() and p.parent.name != "__pycache__"]  # of an import
     written = {p.relative_to(folder).as_posix() for p in files}

@@ -47,7 +47,7 @@ def test_prototypes(robot: str) -> None:
         assert prototype in header
 
 
-def test_what_is_passive_is_no_member() -> None:
+def test_passive_joints_are_not_members() -> None:
     assert of_gallery("pioneer3dx").c_module.joints == SPINS
     car = of_gallery("ackermann_car").c_module.joints
     assert car == ("rear_left.spin", "rear_right.spin", "front_left.steer", "front_right.steer")

@@ -194,7 +194,7 @@ def test_what_changes_in_place_changes_at_once_and_other_members_stay() -> None:
 
 
 @pytest.mark.slow
-def test_wheels_and_parameters_may_be_called_as_rust_calls_other_things(
+def test_wheels_and_parameters_may_have_names_of_rust_keywords(
     wmrgen_cli: Callable[..., Outcome], robot_file: Path
 ) -> None:
     need("rustc")

@@ -24,7 +24,7 @@ ROBOT = "wmrgen: 1\nname: pair\nwheels:\n  - {{name: {}, type: fixed, x: 0, y: 0
 
 
 @pytest.mark.parametrize("name", ["SE", "SP", "XL", "PB0", "LOW", "B11"])
-def test_a_robot_is_not_called_as_macros_of_avr_are(name: str) -> None:
+def test_a_robot_may_not_have_the_name_of_an_avr_macro(name: str) -> None:
     with pytest.raises(RobotFileError) as refused:
         read(ROBOT.replace("pair", name).format("left"))
     assert refused.value.code == Code.NAME and name.lower() in refused.value.instead.strip(".").split()
@@ -53,11 +53,11 @@ def test_a_header_is_read_where_its_names_are_no_macros(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "name", ["SE", "PB0", "LOW", "FL", "fr", "SW", "NE", "M1", "P1", "B2", "L", "F", "High", "spl"]
 )
-def test_other_names_are_taken(name: str) -> None:
+def test_other_names_are_accepted(name: str) -> None:
     assert read(ROBOT.format(name)).wheels[0].name == name
 
 
-def test_words_of_c_are_kept_in_any_case() -> None:
+def test_words_of_c_are_reserved_in_any_case() -> None:
     assert (
         C.keeps("Float") and C.keeps("FLOAT") and not AVR_MACROS.keeps("float") and not AVR_MACROS.keeps("se")
     )

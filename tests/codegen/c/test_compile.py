@@ -81,7 +81,7 @@ def test_a_mixed_pair_does_not_compile(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-def test_evil_texts(compiler: str, tmp_path: Path) -> None:
+def test_hostile_texts(compiler: str, tmp_path: Path) -> None:
     evil = '*/ int x; /* ??/\n \\ // /* é \\\n#error no\n??/ "'
     for module in (swerve(), tunable()):
         write(tmp_path, module, facts=Facts(description=evil, wheel_lines=(evil, evil * 9)))

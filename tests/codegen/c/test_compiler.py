@@ -105,7 +105,7 @@ def test_a_tool_runs_where_its_files_are() -> None:
     assert python(words) == "out\n" and python(words, both=True) == "out\nerr\n"
 
 
-def test_twenty_lines_of_a_failure_are_said() -> None:
+def test_an_error_has_twenty_lines_of_the_output() -> None:
     with pytest.raises(EnvironmentFailure) as error:
         python("import sys; print('\\n'.join(f'line {k}' for k in range(30)), file=sys.stderr); sys.exit(1)")
     assert str(error.value).splitlines()[1:] == [f"line {k}" for k in range(20)]

@@ -22,7 +22,7 @@ ROBOTS = ("wpilib_swervebot", "nomad_xr4000", "ackermann_car", "pioneer3dx", "ag
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_names_are_true(robot: str) -> None:
+def test_named_values_are_correct(robot: str) -> None:
     """In float64, of optimised code and of the code of a processor: the named value is that of the formula.
 
     Steering angles reach beyond every stop; every other twist is small.
@@ -80,7 +80,7 @@ def test_comments_and_lines() -> None:
         assert text in lines[number - 1] or (text in lines[number - 2] and ";" in lines[number - 1])
 
 
-def test_what_a_kernel_gives_for_one_wheel_is_called_as_the_wheel() -> None:
+def test_results_of_a_kernel_for_one_wheel_have_the_name_of_the_wheel() -> None:
     """This also holds for a kernel that takes a clamped present angle, or a difference of two angles."""
     limited, swinging = (
         sources(of_gallery(name).c_module)[1] for name in ("agilex_ranger", "wpilib_swervebot")
@@ -103,7 +103,7 @@ def test_long_functions_name_what_they_compute(function: str, most: int) -> None
     assert "out_out" not in body and body.count("spin_rate = ") >= 4 * (function == "accelerations")
 
 
-def test_limited_angles_are_called_so() -> None:
+def test_clamped_angles_have_their_own_name() -> None:
     """The angle before clamping has another name than the angle within the limits."""
     source = sources(of_gallery("agilex_ranger").c_module)[1]
     targets = re.findall(r"const float (\w+_target) = (\w+)\(", source)
@@ -138,7 +138,7 @@ wheels:
 
 
 @pytest.mark.parametrize("text", ["pioneer3dx", "kuka_youbot", CALIBRATED])
-def test_what_is_said_of_prepared_numbers_is_true(text: str) -> None:
+def test_comments_on_prepared_numbers_are_correct(text: str) -> None:
     """Formulas in the header are correct for calibrated parameters; so are the factors given for long formulas."""
     d = of_text(text) if "\n" in text else of_gallery(text)
     header, prepare = sources(d.c_module)[0], d.c_module.prepare

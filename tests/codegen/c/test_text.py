@@ -99,7 +99,7 @@ def test_a_constant_that_float_cannot_hold_is_an_error(value: Fraction) -> None:
 
 @settings(max_examples=examples(100), deadline=None)
 @given(st.text())
-def test_no_text_gets_out_of_a_comment(text: str) -> None:
+def test_no_text_can_end_a_comment(text: str) -> None:
     plain = comment_text(text)
     assert all(" " <= char <= "~" for char in plain)
     for bad in ("*/", "/*", "??", "\\", "//"):
@@ -112,7 +112,7 @@ def test_letters_keep_their_sense() -> None:
     assert comment_text("Campion, d'Andréa-Novel: ω in m·s²") == "Campion, d'Andrea-Novel: omega in m.s2"
 
 
-def test_members_that_clash_are_told_apart() -> None:
+def test_members_with_the_same_name_get_different_identifiers() -> None:
     ports = tuple(Port(name, Role.STATE, "") for name in ("vx", "vx.spin", "vx.steer"))
     assert struct("s", ports, "n").members == {
         "vx": "vx",
@@ -215,7 +215,7 @@ def test_what_a_header_states() -> None:
     assert not re.search("sympy|casadi", header + source)  # their patches do not change generated files
 
 
-def test_only_what_is_tunable_gets_a_prepare() -> None:
+def test_only_tunable_robots_have_a_prepare() -> None:
     assert "_prepare" not in sources(mecanum())[0]
     header, source = sources(tunable())
     assert "void tuned_params_default(tuned_params *params);" in header
@@ -224,7 +224,7 @@ def test_only_what_is_tunable_gets_a_prepare() -> None:
     assert " / " not in step
 
 
-def test_where_least_flash_is_asked_for_a_part_is_taken_from_the_whole() -> None:
+def test_for_least_flash_a_function_calls_its_variant() -> None:
     source = sources(of_gallery("ackermann_car").c_module)[1]
     (least,) = (small for small, full in WHERE_SMALL.findall(source) if "twist->vx = " in full)
     assert "ackermann_car_forward_slip(wheels, twist, &slip);" in least
@@ -246,7 +246,7 @@ def test_pairs_differ() -> None:
     assert pair(header) != pair(sources(mecanum(), Choice(scalar="double"))[0])
 
 
-def test_no_line_is_longer_than_a_reader_wants() -> None:
+def test_lines_have_at_most_120_columns() -> None:
     """Of every robot and the textbook, with a comment on what stands before or behind it; the same text else."""
     arms = ("? wmrgen_clamp(now->front.steer, 0.69f)", ": wmrgen_atan(steering_of_front)")
     long = f"    const float t3 = (fabsf(first_direction) < 2e-20f) {' '.join(arms)};"

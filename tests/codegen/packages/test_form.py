@@ -82,7 +82,7 @@ def test_a_robot_without_motors_and_sensors_has_no_loop(
     assert "namespace pair {" in header and "inline void odometry(" in header
 
 
-def test_a_stranger_among_packages_is_found(
+def test_an_unknown_file_among_packages_is_found(
     wmrgen_cli: Callable[..., Outcome], robot_file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(robot_file.parent)
@@ -107,7 +107,7 @@ def test_every_template_is_a_file_of_its_kind() -> None:
 
 
 @pytest.mark.parametrize("kind", everyday(KINDS, ["arduino"]))
-def test_what_is_swept_up_defines_no_main(kind: str, tmp_path: Path) -> None:
+def test_sources_define_no_main(kind: str, tmp_path: Path) -> None:
     """Arduino and PlatformIO compile every file below ``src``, so there is no example in it."""
     need("gcc", "nm")
     files = of_gallery("pioneer3dx", kind)

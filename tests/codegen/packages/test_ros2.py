@@ -100,7 +100,7 @@ def test_a_differential_drive_drives_a_circle(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_what_is_old_broken_or_of_others_moves_nothing(tmp_path: Path) -> None:
+def test_old_invalid_or_foreign_messages_move_nothing(tmp_path: Path) -> None:
     program = pair(tmp_path, PAIR)
     turning = "left_spin 1 0 right_spin 1 0"
     said = spoken(

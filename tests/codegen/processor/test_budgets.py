@@ -53,7 +53,7 @@ def test_update_then_check(measured: dict[str, Budget], tmp_path: Path) -> None:
         (lambda b: b.update(format=0), "measured with"),
     ],
 )
-def test_growth_is_told(measured: dict[str, Budget], change: object, told: str) -> None:
+def test_growth_is_reported(measured: dict[str, Budget], change: object, told: str) -> None:
     now = measured["lekiwi"]
     was = copy.deepcopy(now)
     assert growth(was, now) == []
@@ -62,7 +62,7 @@ def test_growth_is_told(measured: dict[str, Budget], change: object, told: str) 
     assert any(line.startswith(told) for line in growth(was, now))
 
 
-def test_less_is_no_growth(measured: dict[str, Budget]) -> None:
+def test_a_decrease_is_not_reported(measured: dict[str, Budget]) -> None:
     was = copy.deepcopy(measured["lekiwi"])
     was["functions"]["forward"]["instructions"] += 1
     was["functions"]["gone"] = was["functions"]["forward"]
@@ -81,7 +81,7 @@ def test_the_check_fails_and_says_what_to_do(
     assert caught.value.code == 1
 
 
-def test_wmrgen_leaves_a_budget_where_it_stands(tmp_path: Path) -> None:
+def test_derive_keeps_budget_files(tmp_path: Path) -> None:
     """`derive` does not measure. The file belongs to `benchmarks`, and `check` does not report it as unknown."""
     place = tmp_path / "robot"
     write_tree(place, {"a.c": b"1"})

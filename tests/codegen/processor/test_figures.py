@@ -48,7 +48,7 @@ def test_update_replaces_what_stands_between_the_markers(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("text", ["none", f"{BEGIN} alone", f"{END} {BEGIN}", f"{BEGIN} {BEGIN} {END}"])
-def test_markers_that_do_not_fit_are_told(text: str) -> None:
+def test_missing_or_misplaced_markers_are_an_error(text: str) -> None:
     with pytest.raises(ValueError, match=BEGIN.split()[1]):
         figures.between(text)
 

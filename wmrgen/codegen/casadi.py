@@ -33,7 +33,7 @@ from wmrgen.ir.geometry import unguarded
 from wmrgen.ir.nodes import Function, Module, Op, uses_of
 from wmrgen.ir.rounding import to_float64
 
-_BLOCK = 4096  # columns that are computed at once: their values fit into the cache
+_BLOCK = 4096  # columns that are computed at once, so that long logs need no more memory
 
 
 def _apply(op: Op, args: list[ca.SX]) -> ca.SX:

@@ -19,7 +19,6 @@ from wmrgen.ir.ops import Conditional, Op
 
 _LONGEST = 44  # characters of an expression that is printed in place; a longer one gets a name
 _LONGEST_ARM = 56  # the same for an arm of a choice, which a name would compute even if it is not chosen
-_FORMULA = 60  # characters of the formula of a prepared number in a comment
 _CHOICE, _SUM, _PRODUCT, _UNARY, _ATOM = range(5)
 _BINDING = {"+": _SUM, "-": _SUM, "*": _PRODUCT, "/": _PRODUCT}
 
@@ -145,7 +144,7 @@ def written_out(function: Function) -> tuple[str, ...]:
             text = args[0]
         elif len(args) == len(node.args) and node.op.infix:
             text = _quotient(node, args) or _expression(node, args, style)
-        texts.append(text if text and len(text.text) <= _FORMULA else None)
+        texts.append(text if text and len(text.text) <= 60 else None)  # so that it fits into a comment
     return tuple(text.text if text else "" for text in texts)
 
 

@@ -27,7 +27,6 @@ finally for function if implements import in instanceof interface let Math new n
 public return static super switch this throw true try typeof undefined var void while with yield
 """.split()
 )
-_LONGEST = 84  # columns of an object on one line, which leaves room for the head of its function
 # Helpers that the text of an operation calls in addition.
 _NEEDED = {Op.AT_LEAST: "_is_negative", Op.WITH_SIGN_OF: "_is_negative"}
 
@@ -80,7 +79,7 @@ def _printed(function: Function) -> dict[str, Any]:
 def _object(members: Sequence[str], indent: str) -> str:
     """Return an object literal, on one line if it is short."""
     line = f"{{ {', '.join(members)} }}"
-    if len(line) <= _LONGEST:
+    if len(line) <= 84:  # columns
         return line
     lines = "".join(f"{indent}  {member},\n" for member in members)
     return f"{{\n{lines}{indent}}}"

@@ -19,7 +19,6 @@ from wmrgen.geometry.ports import Reading
 from wmrgen.ir.nodes import Module, Port
 
 FUNCTION = "joints_from_counts"
-LONG = 32  # bits: from this width, a literal needs a suffix on processors whose int has 16 bits
 _READ = {
     "spin_counts": "spin",
     "steer_counts": "steer",
@@ -94,7 +93,10 @@ def _parameters(step: Step, counts: Parameter, counters: Struct, scalar: str) ->
 def _start(port: Port, reading: Reading, last: str) -> str:
     """Return the reading from which a difference is computed: an absolute encoder's offset, or the last reading."""
     absolute = reading.offset is not None and port.name.endswith(".steer_counts")
-    return f"{reading.offset}u{'l' if reading.width == LONG else ''}" if absolute else last
+    if not absolute:
+        return last
+    suffix = "ul" if reading.width == 32 else "u"  # some processors have an int of 16 bits
+    return f"{reading.offset}{suffix}"
 
 
 def _difference(local: str, now: str, last: str, reading: Reading) -> str:

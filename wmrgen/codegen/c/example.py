@@ -30,7 +30,7 @@ from wmrgen.ir.calls import by_name, inline_prepare, inlined
 from wmrgen.ir.interpret import FLOAT64, evaluate
 from wmrgen.ir.nodes import Module
 
-DURATION = 60  # s: long enough for two loops at moderate speed
+DURATION = 60  # s: the sentences about figures say "a minute"
 STARTING = 3  # s: duration of speeding up, and of slowing down
 PER_SECOND = 100  # steps of the control loop in a second
 STEPS = DURATION * PER_SECOND

@@ -17,7 +17,6 @@ from wmrgen.ir.calls import called
 from wmrgen.ir.nodes import Cost, Function, Module, Op, places, pruned
 
 _SHORT = 12  # statements: a body that short is repeated, because a call would save no flash
-_NOTE = 60  # characters: a longer comment after a statement would not fit on its line
 _MANY = 4  # outputs that a comment lists; it ends in "..." if there are more
 _PLACE = re.compile(r"[\w.]+(?:->[\w.]+)*")  # a variable or a member
 
@@ -262,7 +261,8 @@ def _quantities(function: Function) -> dict[int, str]:
         if each.quantity:
             quantities.setdefault(each.node, []).append(each.quantity)
     notes = {node: ", ".join(texts) for node, texts in quantities.items()}
-    return {node: f"/* {note} */" for node, note in notes.items() if len(note) <= _NOTE}
+    # A comment of more than 60 characters would not fit on the line of a statement.
+    return {node: f"/* {note} */" for node, note in notes.items() if len(note) <= 60}
 
 
 def _overwritten(

@@ -26,7 +26,7 @@ __all__ = ["emit", "evaluate"]
 
 # ---- a program that calls the functions of a crate; it exchanges numbers as the bits of doubles
 
-FLAGS = ("-Copt-level=1",)  # compiles fastest
+FLAGS = ("-Copt-level=1",)
 
 
 def evaluate(

@@ -162,8 +162,6 @@ def _plain(text: str) -> list[str]:
 
 # ---- the self-test
 
-_MARGIN = 1.01  # factor of tolerances, so that rounding them to three digits does not make them too small
-
 
 def selftest(module: Module, unit: Unit, site: Site) -> str:
     """Return the text of ``tests/selftest.rs``.
@@ -201,7 +199,8 @@ def _table(table: Table, unit: Unit) -> dict[str, Any]:
 def _row(vector: Vector, scalar: str) -> list[str]:
     numbers = [number(x, scalar) for x in vector.inputs]
     for expected, tolerance in zip(vector.expected, vector.tolerance, strict=True):
-        numbers += (number(expected + 0.0, scalar), f"{tolerance * _MARGIN:.2e}")
+        enlarged = tolerance * 1.01  # so that rounding to three digits does not make it too small
+        numbers += (number(expected + 0.0, scalar), f"{enlarged:.2e}")
     return numbers
 
 

@@ -16,7 +16,6 @@ from wmrgen.ir.nodes import Port
 from wmrgen.ir.rounding import constant
 
 WIDTH = 100  # columns of a line, as rustfmt has it
-_LONGEST = 12  # characters of a number without an exponent: more are hard to read
 SCALARS = {"float": "f32", "double": "f64"}
 _KEYWORDS = frozenset(
     """
@@ -53,7 +52,7 @@ def number(value: float, scalar: str) -> str:
     """Return the shortest decimal that reads back as ``value``, a float32 if ``scalar`` is f32."""
     kind = np.float32 if scalar == "f32" else np.float64
     plain = np.format_float_positional(kind(value), trim="0")
-    return plain if len(plain) <= _LONGEST else str(kind(value))
+    return plain if len(plain) <= 12 else str(kind(value))  # many digits are easier to read with an exponent
 
 
 def literal(value: Exact, scalar: str) -> str:

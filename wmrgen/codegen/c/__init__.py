@@ -35,8 +35,8 @@ def evaluate(module: Module, requests: Sequence[Request], **words: str) -> list[
 
 
 def compiled(module: Module, choice: Choice) -> Callable[[str, Mapping[str, Any]], dict[str, Any]]:
-    """Compile the functions of ``module`` for arrays; see `wmrgen.codegen.c.batch.compiled`."""
-    from wmrgen.codegen.c.batch import compiled
+    """Compile the functions of ``module`` for arrays; see `wmrgen.codegen.c.driver.compiled`."""
+    from wmrgen.codegen.c.driver import compiled
 
     return compiled(module, choice)
 

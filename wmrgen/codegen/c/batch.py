@@ -1,4 +1,4 @@
-"""``<robot>_many.h`` and ``.c``, with ``--batch``: every function for arrays of states; compiled for NumPy, too.
+"""``<robot>_many.h`` and ``.c``, with ``--batch``: every function for arrays of states.
 
 The source includes ``<robot>.c``, so that a compiler inlines the scalar functions into the loop over the states and
 vectorises the loop. Every input and output is a separate array (structure of arrays). Tunable parameters are inputs,
@@ -7,20 +7,12 @@ too.
 
 from __future__ import annotations
 
-import ctypes
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from typing import NamedTuple
 
-import numpy as np
-
-from wmrgen.codegen.c.emit import printed, unit
 from wmrgen.codegen.c.functions import call
-from wmrgen.codegen.compiler import load_library
 from wmrgen.codegen.render import render
 from wmrgen.codegen.unit import Step, Unit
-from wmrgen.ir.calls import nominal
-from wmrgen.ir.kernels.choice import Choice
-from wmrgen.ir.nodes import Module
 
 
 class BatchFunction(NamedTuple):
@@ -67,53 +59,3 @@ def batch(unit: Unit, common: Mapping[str, object]) -> tuple[str, str]:
     functions = [*batch_functions(unit).values()]
     header, source = (render(f"c99/many.{end}.j2", **common, functions=functions) for end in ("h", "c"))
     return header, source
-
-
-# ---- compiled by the compiler of the system and loaded for NumPy arrays
-
-Columns = dict[str, Any]  # contract name -> array
-
-
-def compiled(module: Module, choice: Choice) -> Callable[[str, Mapping[str, Any]], Columns]:
-    """Compile the functions of ``module`` for arrays with the compiler of the system, and load them.
-
-    Args:
-        module: The functions.
-        choice: Scalar type of the C, its sines, and the processor.
-
-    Returns:
-        A function that takes the name of a function and its inputs (contract name -> array; tunable parameters that are
-        left out are nominal) and returns the outputs by contract name, in the shape to which the inputs broadcast.
-
-    Raises:
-        EnvironmentFailure: There is no C compiler, or it fails.
-    """
-    functions = unit(module, choice)
-    header, source, pair = printed(functions)
-    scalar = choice.scalar
-    common = {"robot": module.name, "upper": module.name.upper(), "scalar": scalar, "pair": pair}
-    files = {f"{module.name}.h": header, f"{module.name}.c": source}
-    files[f"{module.name}_many.h"], files[f"{module.name}_many.c"] = batch(functions, common)
-    library = load_library(files, f"{module.name}_many.c")
-    kind: Any = np.float64 if scalar == "double" else np.float32
-    defaults, forms = nominal(module), batch_functions(functions)
-
-    def call_compiled(name: str, inputs: Mapping[str, Any]) -> Columns:
-        form = forms[name]
-        given = {**defaults, **inputs}
-        arrays = np.broadcast_arrays(*(np.asarray(given[port], dtype=kind) for port in form.inputs))
-        shape = arrays[0].shape if arrays else ()
-        flat = [np.ascontiguousarray(array).reshape(-1) for array in arrays]
-        results = {port: np.empty(shape, kind) for port in form.outputs}
-        function = getattr(library, form.name)
-        function.restype = None
-        function(ctypes.c_size_t(int(np.prod(shape))), _pointers(flat), _pointers(results.values()))
-        return {port: array[()] for port, array in results.items()}
-
-    return call_compiled
-
-
-def _pointers(arrays: Any) -> Any:
-    """Return a C struct whose members point to the arrays."""
-    addresses = [array.ctypes.data for array in arrays]
-    return (ctypes.c_void_p * max(1, len(addresses)))(*addresses)

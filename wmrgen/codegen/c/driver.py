@@ -3,19 +3,25 @@
 The driver reads requests from stdin and calls the functions of one or several robots. It exchanges numbers as
 hexadecimal floats, which are exact. Inputs are doubles; the driver rounds them once, to the scalar type of the C.
 
+The functions for arrays are compiled to a library and loaded.
+
 The entry point for Frama-C Eva calls every function with all inputs within their ranges.
 """
 
 from __future__ import annotations
 
+import ctypes
 import math
 import re
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from wmrgen.codegen.c.batch import batch, batch_functions
 from wmrgen.codegen.c.emit import printed, unit
 from wmrgen.codegen.c.functions import call as call_of
-from wmrgen.codegen.compiler import DEFAULT_FLAGS, compile_and_run
+from wmrgen.codegen.compiler import DEFAULT_FLAGS, compile_and_run, load_library
 from wmrgen.codegen.registry import Request
 from wmrgen.codegen.render import render
 from wmrgen.codegen.unit import Step, Unit
@@ -126,6 +132,56 @@ def evaluate_c(
     files = {f"{module.name}.h": header, f"{module.name}.c": source, "wmrgen-driver.c": main}
     printed_lines = iter(compile_and_run(files, "\n".join(lines) + "\n", cc, flags).splitlines())
     return [answer(called[name][1], next(printed_lines)) if name in called else {} for name, _ in requests]
+
+
+# ---- functions for arrays, compiled and loaded for NumPy
+
+Columns = dict[str, Any]  # contract name -> array
+
+
+def compiled(module: Module, choice: Choice) -> Callable[[str, Mapping[str, Any]], Columns]:
+    """Compile the functions of ``module`` for arrays with the compiler of the system, and load them.
+
+    Args:
+        module: The functions.
+        choice: Scalar type of the C, its sines, and the processor.
+
+    Returns:
+        A function that takes the name of a function and its inputs (contract name -> array; tunable parameters that are
+        left out are nominal) and returns the outputs by contract name, in the shape to which the inputs broadcast.
+
+    Raises:
+        EnvironmentFailure: There is no C compiler, or it fails.
+    """
+    functions = unit(module, choice)
+    header, source, pair = printed(functions)
+    scalar = choice.scalar
+    common = {"robot": module.name, "upper": module.name.upper(), "scalar": scalar, "pair": pair}
+    files = {f"{module.name}.h": header, f"{module.name}.c": source}
+    files[f"{module.name}_many.h"], files[f"{module.name}_many.c"] = batch(functions, common)
+    library = load_library(files, f"{module.name}_many.c")
+    kind: Any = np.float64 if scalar == "double" else np.float32
+    defaults, forms = nominal(module), batch_functions(functions)
+
+    def call_compiled(name: str, inputs: Mapping[str, Any]) -> Columns:
+        form = forms[name]
+        given = {**defaults, **inputs}
+        arrays = np.broadcast_arrays(*(np.asarray(given[port], dtype=kind) for port in form.inputs))
+        shape = arrays[0].shape if arrays else ()
+        flat = [np.ascontiguousarray(array).reshape(-1) for array in arrays]
+        results = {port: np.empty(shape, kind) for port in form.outputs}
+        function = getattr(library, form.name)
+        function.restype = None
+        function(ctypes.c_size_t(int(np.prod(shape))), _pointers(flat), _pointers(results.values()))
+        return {port: array[()] for port, array in results.items()}
+
+    return call_compiled
+
+
+def _pointers(arrays: Any) -> Any:
+    """Return a C struct whose members point to the arrays."""
+    addresses = [array.ctypes.data for array in arrays]
+    return (ctypes.c_void_p * max(1, len(addresses)))(*addresses)
 
 
 # ---- Frama-C Eva

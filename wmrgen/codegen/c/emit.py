@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
+from wmrgen.codegen.c.batch import batch
 from wmrgen.codegen.c.checked import checked, fuzz
 from wmrgen.codegen.c.counters import counter_types, counting
 from wmrgen.codegen.c.example import example
@@ -51,8 +52,6 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     if facts.options.get("fuzz"):
         apart["_fuzz.c"] = fuzz(module, functions, facts.site, common)
     if facts.options.get("batch"):
-        from wmrgen.codegen.c.batch import batch
-
         files["_many.h"], files["_many.c"] = batch(functions, common)
     named = {module.name + ending: text for ending, text in files.items()}
     named |= {f"{TEST}/{module.name}{ending}": text for ending, text in apart.items()}

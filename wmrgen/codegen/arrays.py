@@ -98,7 +98,7 @@ def _printed(function: Function) -> dict[str, Any]:
 
 
 def _apart(results: Sequence[str], arguments: Iterable[str]) -> list[str]:
-    """Return ``results`` so that no two are the same array and none is an argument, because arrays can be changed."""
+    """Return ``results`` as different arrays, none of which is an argument, because users may change arrays."""
     taken, apart = set(arguments), []
     for text in results:
         apart.append(f"{text} * 1.0" if text in taken else text)

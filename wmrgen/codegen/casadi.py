@@ -87,7 +87,7 @@ def to_casadi(function: Function, name: str) -> ca.Function:
 def _tangents(function: Function) -> dict[int, tuple[int, list[int]]]:
     """Return the quotients that are tangents, with the angle and the other factors of the dividend.
 
-    The dividend is a product with a sine, the divisor the cosine of the same angle, and nothing else uses them.
+    The dividend is a product with a sine, the divisor is the cosine of the same angle, and no other node uses them.
     """
     nodes, uses = function.nodes, uses_of(function)
     found = {}

@@ -112,7 +112,7 @@ class Entry(NamedTuple):
     def evaluate(
         self, module: Module, requests: Sequence[Request], options: Mapping[str, str]
     ) -> list[dict[str, float]]:
-        """Return the outputs of each request by contract name, those of variants of the function included.
+        """Return the outputs of each request by contract name, including outputs of the function's variants.
 
         A function and its variants may give different outputs, for example the residual, so that a caller who does not
         need an output does not pay for it.

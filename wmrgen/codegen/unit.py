@@ -28,10 +28,10 @@ class Field(NamedTuple):
 
 
 class Struct(NamedTuple):
-    """A struct with a scalar or a nested struct for each member; nested structs are those of wheels."""
+    """A struct whose members are scalars and nested structs of wheels."""
 
     name: str
-    text: str  # what it is, for a comment
+    text: str  # of its comment
     fields: tuple[Field, ...]
     members: Mapping[str, str]  # contract name -> path of the member: left.spin
 

@@ -90,8 +90,8 @@ def by_c(module: Module, cases: Cases, choice: Choice) -> Answers:
     lines = [
         request(k, call, {**tunables, **case}) for (k, call), (_, case) in zip(called, cases, strict=True)
     ]
-    told = compile_and_run(files, "\n".join([*lines, ""])).splitlines()
-    return [answer(call, line) for (_, call), line in zip(called, told, strict=True)]
+    answers = compile_and_run(files, "\n".join([*lines, ""])).splitlines()
+    return [answer(call, line) for (_, call), line in zip(called, answers, strict=True)]
 
 
 def bits(value: float) -> str:

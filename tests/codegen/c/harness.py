@@ -140,10 +140,10 @@ class Program:
         """Compile in ``folder``, run all cases, and return a line for each output with unexpected bits."""
         program = compile_program(folder, ["wmrgen-all.c"], compiler, flags)
         lines = [request(index, self.calls[index], case) for index, case, _ in self.cases]
-        told = run_program(program, "\n".join(lines) + "\n", env).splitlines()
-        assert len(told) == len(self.cases)
+        answers = run_program(program, "\n".join(lines) + "\n", env).splitlines()
+        assert len(answers) == len(self.cases)
         wrong = []
-        for (index, case, expected), line in zip(self.cases, told, strict=True):
+        for (index, case, expected), line in zip(self.cases, answers, strict=True):
             got = answer(self.calls[index], line)
             wrong += [
                 f"{self.calls[index].function}({case}).{key}: {got[key].hex()}, expected {value.hex()}"

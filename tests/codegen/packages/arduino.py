@@ -48,7 +48,7 @@ def size(program: Path) -> tuple[int, int]:
     return sections[".text"] + data, data + sections.get(".bss", 0) + sections.get(".noinit", 0)
 
 
-def said(program: Path, lines: int, patience: float = 60) -> list[str]:
+def serial_lines(program: Path, lines: int, patience: float = 60) -> list[str]:
     """The first lines that a program prints on the serial port of an ATmega328P: a sketch never ends."""
     command = ["simavr", "-m", "atmega328p", "-f", "16000000", str(program)]
     running = subprocess.Popen(

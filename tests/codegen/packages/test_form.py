@@ -22,7 +22,7 @@ SAID = "5\" wheels & 'casters' <50 % off; $HOME \\n #1: {x} é"
 
 
 @pytest.fixture
-def told(tmp_path: Path) -> Path:
+def quoted_robot(tmp_path: Path) -> Path:
     """Write a robot file whose description has characters that languages must quote."""
     path = tmp_path / "pair.yaml"
     path.write_text(DIFFERENTIAL.replace("parameters:", f"description: {json.dumps(SAID)}\nparameters:"))
@@ -191,17 +191,17 @@ def test_the_header_for_cpp_has_every_function(tmp_path: Path) -> None:
     assert declared == re.findall(r"^inline void (\w+)\(", text, re.MULTILINE)
 
 
-def test_a_description_is_quoted_in_every_language(told: Path) -> None:
-    library = json.loads(files_of(told, "platformio")["library.json"])
+def test_a_description_is_quoted_in_every_language(quoted_robot: Path) -> None:
+    library = json.loads(files_of(quoted_robot, "platformio")["library.json"])
     assert library["description"] == SAID
-    component = yaml.safe_load(files_of(told, "esp-idf")["idf_component.yml"])
+    component = yaml.safe_load(files_of(quoted_robot, "esp-idf")["idf_component.yml"])
     assert component["description"] == SAID
-    lines = files_of(told, "arduino")["library.properties"].decode().splitlines()
+    lines = files_of(quoted_robot, "arduino")["library.properties"].decode().splitlines()
     assert f"sentence={SAID}" in lines
     for kind in KINDS:
-        assert f"\n\n    {SAID}\n\n" in files_of(told, kind)["README.md"].decode()
+        assert f"\n\n    {SAID}\n\n" in files_of(quoted_robot, kind)["README.md"].decode()
     if "ros2" in PACKAGES:
-        package = xml.etree.ElementTree.fromstring(files_of(told, "ros2")["package.xml"])
+        package = xml.etree.ElementTree.fromstring(files_of(quoted_robot, "ros2")["package.xml"])
         assert package.findtext("description") == SAID
 
 

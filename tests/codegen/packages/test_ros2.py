@@ -81,8 +81,8 @@ def test_a_differential_drive_drives_a_circle(tmp_path: Path) -> None:
     events += [
         f"joint_states {10 + k / 50} right_spin {right} 7 other 3 3 left_spin {left} 7" for k in range(101)
     ]
-    said = spoken(program, events)
-    odometry = [[float(w) for w in words[1:]] for words in said if words[0] == "odom"]
+    published = spoken(program, events)
+    odometry = [[float(w) for w in words[1:]] for words in published if words[0] == "odom"]
     assert len(odometry) == 100
     x, y, qz, qw, *twist = odometry[-1][:7]
     turn = omega * 2
@@ -93,7 +93,7 @@ def test_a_differential_drive_drives_a_circle(tmp_path: Path) -> None:
     pose = odometry[-1][7:43]
     assert [pose[i] for i in (0, 7, 35)] == [1e-3] * 3 and [pose[i] for i in (14, 21, 28)] == [1e6] * 3
 
-    commands = [words[1:] for words in said if words[0] == "joint_commands"]
+    commands = [words[1:] for words in published if words[0] == "joint_commands"]
     assert len(commands) == 101 and commands[0][0::3] == ["left_spin", "right_spin"]
     assert [float(w) for w in commands[0][1::3]] == pytest.approx([left, right], rel=1e-6)
     assert all(isnan(float(w)) for w in commands[0][2::3])
@@ -103,7 +103,7 @@ def test_a_differential_drive_drives_a_circle(tmp_path: Path) -> None:
 def test_old_invalid_or_foreign_messages_move_nothing(tmp_path: Path) -> None:
     program = pair(tmp_path, PAIR)
     turning = "left_spin 1 0 right_spin 1 0"
-    said = spoken(
+    published = spoken(
         program,
         [
             "clock 1", "cmd_vel 0.1 0 0",
@@ -115,16 +115,16 @@ def test_old_invalid_or_foreign_messages_move_nothing(tmp_path: Path) -> None:
             f"joint_states 0.5 {turning}",                   # a log restarts
         ],
     )  # fmt: skip
-    assert [words[0] for words in said] == [
+    assert [words[0] for words in published] == [
         "joint_commands",
         "warning", "joint_commands",
         "odom", "joint_commands",
         "odom", "warning", "joint_commands",
         "warning", "joint_commands",
     ]  # fmt: skip
-    speeds = [float(words[2]) for words in said if words[0] == "joint_commands"]
+    speeds = [float(words[2]) for words in published if words[0] == "joint_commands"]
     assert speeds[0] > 0 and speeds[2:] == [0, 0, 0]
-    travelled = [float(words[1]) for words in said if words[0] == "odom"]
+    travelled = [float(words[1]) for words in published if words[0] == "odom"]
     assert travelled == pytest.approx([0.00975, 0.0195], abs=1e-6)
 
 
@@ -150,8 +150,8 @@ def test_a_swerve_drive_is_commanded_by_position_and_velocity(tmp_path: Path) ->
         f"joint_states {k} " + " ".join(f"{m}_spin 0 9 {m}_steer 9 {k / 10}" for m in modules)
         for k in range(1, 5)
     ]
-    said = [words for words in spoken(program, resting) if words[0] == "joint_commands"]
-    angles = [float(words[6]) for words in said]
+    published = [words for words in spoken(program, resting) if words[0] == "joint_commands"]
+    angles = [float(words[6]) for words in published]
     assert angles == pytest.approx([0.1] * 4)  # the initial commands; later measurements have no effect
 
 
@@ -196,8 +196,8 @@ def test_covariance_is_propagated_where_the_robot_file_has_noise(tmp_path: Path)
     speeds = [(3.0, 5.0), (4.0, 2.0), (1.0, -1.0)]
     events = ["joint_states 0 left_spin 0 0 right_spin 0 0"]
     events += [f"joint_states {k / 4} left_spin {a} 0 right_spin {b} 0" for k, (a, b) in enumerate(speeds, 1)]
-    said = spoken(pair(tmp_path, NOISY), events)
-    odometry = [[float(w) for w in words[1:]] for words in said if words[0] == "odom"]
+    published = spoken(pair(tmp_path, NOISY), events)
+    odometry = [[float(w) for w in words[1:]] for words in published if words[0] == "odom"]
 
     module = derive(load(tmp_path / "pair.yaml")).module
     state = dict.fromkeys([p.name for p in (*POSE, *POSE_COVARIANCE)], 0.0) | {"dt": 0.25}

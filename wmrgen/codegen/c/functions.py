@@ -177,7 +177,7 @@ def _params_default(robot: str, params: Struct, scalar: str) -> Step:
 
 
 def _with_small_bodies(module: Module, steps: Sequence[Step]) -> tuple[Step, ...]:
-    """Return ``steps``, where a long one that a variant computes too gets a second body that calls the variant."""
+    """Add a second body, for least flash, to long steps whose results a variant computes too: a call of the variant."""
     by_function = {step.function: step for step in steps}
     for variant in module.functions:
         part, whole = by_function.get(variant.variant_of), by_function.get(variant.name)

@@ -96,7 +96,7 @@ def struct(name: str, ports: Sequence[Port], text: str) -> Struct:
 
 
 def declaration(struct: Struct, scalar: str) -> list[dict[str, Any]]:
-    """Return the struct, and those of its wheels, as name, documentation and fields for the template."""
+    """Return name, documentation and fields of a struct and of its nested structs, for the template."""
     fields = [_field(field, scalar) for field in struct.fields]
     declared: list[dict[str, Any]] = [{"name": struct.name, "doc": struct.text, "fields": fields}]
     for field in struct.fields:

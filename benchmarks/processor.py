@@ -19,7 +19,7 @@ from benchmarks.emulator.zig import M0, M4F
 from benchmarks.jobs import JOBS, ODOMETRY, Job, derivations, outputs
 from benchmarks.others import casadi_c, symforce_c, sympy_c
 from wmrgen.codegen.c import sources
-from wmrgen.codegen.c.functions import Step
+from wmrgen.codegen.unit import Step
 from wmrgen.ir.calls import nominal
 from wmrgen.ir.kernels.choice import MATHS, Choice
 

@@ -13,8 +13,7 @@ from benchmarks.emulator.machine import Machine, Run, Trap
 from benchmarks.emulator.zig import DATA, FLAGS, M4F, Target, compile_objects, link
 from wmrgen.codegen.c import sources
 from wmrgen.codegen.c.emit import unit
-from wmrgen.codegen.c.records import Parameter, Step, Unit
-from wmrgen.codegen.c.text import Struct
+from wmrgen.codegen.unit import Parameter, Step, Struct, Unit
 from wmrgen.ir.interpret import Arithmetic
 from wmrgen.ir.nodes import Module
 from wmrgen.ir.ops import OPERATIONS

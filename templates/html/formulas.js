@@ -3,8 +3,8 @@ for (const element of document.querySelectorAll(".math")) {
   katex.render(element.textContent, element, { displayMode: true, throwOnError: false, output: "html", strict: "warn" });
 }
 
-// On paper nothing scrolls and nothing is folded: formulas wider than a page become smaller.
-const PAPER = 660; // px, of the 180 mm between the margins
+// For printing, all details are opened, and formulas wider than the page are scaled down.
+const PAPER = 660; // px: width of the text, 180 mm
 addEventListener("beforeprint", () => {
   for (const folded of document.querySelectorAll("details")) folded.open = true;
   for (const formula of document.querySelectorAll(".math > .katex-display")) {

@@ -1,4 +1,4 @@
-// `wmrgen view` writes another version into version.js beside this page when a robot file is saved.
+// `wmrgen view` writes a new version number to version.js next to this page when a robot file is saved.
 setInterval(() => {
   const script = document.createElement("script");
   script.onload = () => {

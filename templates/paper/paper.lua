@@ -1,8 +1,8 @@
--- The pages of a robot on paper: pandoc knows neither GitHub's fences of formulas nor indices in text, a TeX breaks no
--- line of a table whose columns have no width, and lets what is too wide stand over the margin.
+-- Prepares the pages of a robot for printing. Pandoc does not know GitHub's fences for formulas or subscripts in text. TeX
+-- does not break lines in table columns without a width, and lets wide formulas run into the margin.
 
 local begun = false
-local widest, line = 30, 80  -- letters of a column that share a table's width, and of a line
+local widest, line = 30, 80  -- letters: the widest column that shares a table's width, and a line
 
 function Meta(meta)
   meta.mainfont, meta.monofont = 'DejaVu Serif', 'DejaVu Sans Mono'
@@ -44,7 +44,7 @@ function Inlines(inlines)
   return result
 end
 
-function Para(para)  -- pictures stand below each other
+function Para(para)  -- one picture below the other
   if para.content[1].t == 'Image' then
     return para.content:filter(function(part) return part.t == 'Image' end)
       :map(function(image) return pandoc.Para{image} end)

@@ -1,4 +1,4 @@
-"""The checkers over the C of a robot: findings as (file, check, text)."""
+"""Static checkers for the C of a robot: findings as (file, check, text)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CALLER = "caller.c"
 
 
 def write(folder: Path, robot: str) -> list[str]:
-    """The C of a robot and a caller of everything in it; names of the sources."""
+    """Write the C of a robot and a caller of all its functions; return the names of the sources."""
     put(folder, files_of(robot))
     header = "".join(content.decode() for name, content in files_of(robot).items() if name.endswith(".h"))
     (folder / CALLER).write_text(caller(robot, header))
@@ -26,7 +26,7 @@ def write(folder: Path, robot: str) -> list[str]:
 
 
 def caller(robot: str, header: str) -> str:
-    """A translation unit that calls every function that ``header`` declares."""
+    """Return a translation unit that calls every function that ``header`` declares."""
     lines = [f'#include "{robot}.h"', f'#include "{robot}_checked.h"', "", f"int {robot}_selftest(void);", ""]
     lines += ["int main(void)", "{"]
     calls: list[str] = []
@@ -54,13 +54,13 @@ def caller(robot: str, header: str) -> str:
 
 
 def cppcheck(folder: Path, sources: Sequence[str]) -> list[Finding]:
-    """Cppcheck with its MISRA C:2012 add-on, all checks on; -D of whatever keeps it to one configuration."""
+    """Run Cppcheck with its MISRA C:2012 add-on and all checks; the -D options leave one configuration."""
     command = [
         tool("cppcheck"), "--enable=all", "--inconclusive", "--std=c99", "--addon=misra", "--quiet", "-DNDEBUG",
         "--suppress=missingIncludeSystem", "--suppress=checkersReport", "--template={file}|{id}|{line}: {message}",
         *sources,
     ]  # fmt: skip
-    # The add-on is run by the first python3, for each file: a shim of pyenv takes as long to start as the check.
+    # Cppcheck starts the add-on for each file with the first python3; a shim of pyenv would double the time.
     env = {**os.environ, "PATH": f"{BIN}{os.pathsep}{os.environ['PATH']}"}
     done = subprocess.run(
         command, cwd=folder, env=env, capture_output=True, text=True, timeout=300, check=True
@@ -70,7 +70,7 @@ def cppcheck(folder: Path, sources: Sequence[str]) -> list[Finding]:
 
 
 def clang_tidy(folder: Path, sources: Iterable[str]) -> list[Finding]:
-    """clang-tidy's families bugprone, cert, clang-analyzer and misc."""
+    """Run clang-tidy with the families bugprone, cert, clang-analyzer and misc."""
     command = [tool("clang-tidy"), "--quiet", f"--checks={TIDY_CHECKS}", *sources, "--", "-std=c99"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False)
     found = re.findall(r"^(\S+?):(\d+):\d+: (?:warning|error): (.*) \[([\w.,-]+)\]$", done.stdout, flags=re.M)
@@ -79,7 +79,7 @@ def clang_tidy(folder: Path, sources: Iterable[str]) -> list[Finding]:
 
 
 def gcc_analyzer(folder: Path, sources: Sequence[str]) -> str:
-    """What gcc -fanalyzer says."""
+    """Run gcc -fanalyzer and return its findings."""
     version = subprocess.run([tool("gcc"), "-dumpversion"], capture_output=True, text=True, check=True).stdout
     if int(version.split(".")[0]) < 10 or "clang" in version:
         missing("gcc with -fanalyzer (10 or newer) is not installed")

@@ -1,4 +1,7 @@
-"""Findings of the checkers that generated C keeps, each with its reason. docs/misra.md is printed from here."""
+"""Accepted findings of the checkers in generated C, each with its reason.
+
+docs/misra.md is generated from this table.
+"""
 
 from __future__ import annotations
 
@@ -72,7 +75,7 @@ DEVIATIONS = (
 
 
 def kept(tool: str, check: str, file: str) -> Deviation | None:
-    """The deviation that allows a finding."""
+    """Return the deviation that allows a finding."""
     for deviation in DEVIATIONS:
         if (deviation.tool, deviation.check) == (tool, check) and re.fullmatch(deviation.where, file):
             return deviation
@@ -80,7 +83,7 @@ def kept(tool: str, check: str, file: str) -> Deviation | None:
 
 
 def table() -> str:
-    """The rows of the table in docs/misra.md."""
+    """Return the rows of the table in docs/misra.md."""
     rows = ["| checker | finding | what | why it stays |", "| :-- | :-- | :-- | :-- |"]
     rows += [f"| {d.tool} | {d.check} | {d.what} | {d.reason} |" for d in DEVIATIONS]
     return "\n".join(rows)

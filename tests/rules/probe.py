@@ -1,4 +1,4 @@
-"""A program that calls the checked functions of a robot that a test describes."""
+"""A program that calls the checked functions of a robot."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ TAIL = "    return wrong;\n}\n"
 
 
 def printed(folder: Path, robot: str, body: str, scalar: str = "float", compiler: str | None = None) -> str:
-    """What ``body``, inside of a main, prints for a robot file of the name ``probed``."""
+    """Run ``body`` as the body of main for the robot file ``probed`` and return what it prints."""
     (folder / "probed.yaml").write_text(robot)
     derivation = derive(load(folder / "probed.yaml"))
     put(folder, emit(derivation.c_module, Facts(site=site(derivation), options={"scalar": scalar})))

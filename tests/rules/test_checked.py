@@ -1,6 +1,6 @@
-"""Checked functions: a status and safe outputs at the edges, the function itself everywhere else.
+"""Checked functions: status and safe outputs outside the accepted ranges, the function itself inside.
 
-What is expected stands here, written by hand from the robot files.
+The expected values are written by hand from the robot files.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ ACKERMANN = """
     EXPECT(ackermann_car_inverse_checked(&in, &now, &now) == ACKERMANN_CAR_OUT_OF_RANGE);
     EXPECT(now.front_right.steer == -0.1f && now.rear_right.spin == 0.0f);
 """
-# Whatever twist comes in, what the limits leave of it drives the robot.
+# For every twist, the limited twist drives the robot.
 LIMITING = """
     pioneer3dx_params params;
     pioneer3dx_prepared prepared;
@@ -206,7 +206,7 @@ def test_status_and_safe_outputs(robot: str, body: str, compiler: str, tmp_path:
     assert run_program(compile_program(tmp_path, sources, compiler, (*STRICT[:2], "-O2")), "") == ""
 
 
-def test_refuses_to_lose_its_checks(tmp_path: Path) -> None:
+def test_options_that_remove_checks_are_rejected(tmp_path: Path) -> None:
     """-ffast-math lets a compiler assume that there is no NaN."""
     put(tmp_path, files_of("lekiwi"))
     with pytest.raises(Exception, match="ffast-math"):

@@ -1,4 +1,4 @@
-"""The harness that ``derive --fuzz`` writes: it runs, covers every function and finds what is planted."""
+"""The harness that ``derive --fuzz`` writes: it runs, covers every function and finds planted faults."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ RUNS = 100_000  # of seeds 1 to 8 each found every fault of PLANTED within 40,00
 
 
 def compiled(folder: Path, robot: str, change: tuple[str, str] | None = None, text: str = "") -> Path:
-    """The fuzzer of a robot, of the gallery or by ``text``; ``change`` replaces a piece of its checked functions."""
+    """Build the fuzzer of a robot of the gallery or of ``text``; ``change`` replaces a piece of its checked
+    functions."""
     path = folder / f"{robot}.yaml"
     path.write_text(text or next(path for path in GALLERY if path.stem == robot).read_text())
     derivation = derive(load(path))
@@ -47,7 +48,7 @@ def compiled(folder: Path, robot: str, change: tuple[str, str] | None = None, te
 
 @cache
 def clang() -> str:
-    """A clang with libFuzzer's runtime."""
+    """Return a clang with libFuzzer's runtime."""
     found = shutil.which("clang")
     if found is None:
         missing("clang is not installed")
@@ -115,7 +116,7 @@ PLANTED = {
 
 @pytest.mark.parametrize("fault", everyday(PLANTED, ["a range left out", "a limit left out"]))
 @pytest.mark.slow
-def test_finds_what_is_planted(fault: str, tmp_path: Path) -> None:
+def test_planted_faults_are_found_by_fuzzing(fault: str, tmp_path: Path) -> None:
     robot, *change = PLANTED[fault]
     done = run(compiled(tmp_path, robot, (change[0], change[1])))
     assert done.returncode != 0 and "deadly signal" in done.stderr, done.stderr[-3000:]

@@ -117,12 +117,12 @@ ONE_TYPE = """
 
 
 def test_every_joint_that_the_loop_reads_is_of_the_shared_type(tmp_path: Path) -> None:
-    """Without a struct of one function alone, which the example would leave at 0, dt in it too."""
+    """No function has its own struct, which the example would leave at 0, including dt."""
     assert printed(tmp_path, COUPLED, ONE_TYPE) == ""
 
 
 def test_a_limit_of_a_passive_joint_changes_no_type() -> None:
-    """Neither in C nor in Rust, which both go by the joints of the module."""
+    """This holds in C and in Rust: both use the joints of the module."""
     wheels = (
         "castor, d: 0.03, x: 0.4, y: 0, heading: 0, r: 0.05",
         "steered, x: 0.4, y: 0, heading: 0, r: 0.05, actuated: []",
@@ -145,12 +145,12 @@ def test_steering_keeps_its_limits(function: str, tmp_path: Path) -> None:
     assert printed(tmp_path, BICYCLE, ANGLE.format(function=function, angles=angles, **values)) == ""
 
 
-def test_a_virtual_wheel_keeps_those_of_its_wheels(tmp_path: Path) -> None:
+def test_a_virtual_wheel_is_within_the_limits_of_its_wheels(tmp_path: Path) -> None:
     angles = "0.87f, 0.88f, -0.87f, -0.88f, 3.0f, 0.0f"
     declared = "const probed_pose pose = {0.0f, 0.0f, 0.0f}; probed_posture_out out;"
     values = {"declared": declared, "wheels": "probed_posture_in", "arguments": "&pose, &in, &out"}
     assert printed(tmp_path, CAR, ANGLE.format(function="posture", angles=angles, **values)) == ""
 
 
-def test_rates_keep_theirs(tmp_path: Path) -> None:
+def test_rates_are_within_their_limits(tmp_path: Path) -> None:
     assert printed(tmp_path, BICYCLE, RATES) == ""

@@ -1,4 +1,4 @@
-"""`prepare_checked`: what is not near the nominal parameters is refused, and the robot runs with these."""
+"""`prepare_checked` rejects parameters that are far from nominal; the robot then runs with nominal ones."""
 
 from __future__ import annotations
 
@@ -91,13 +91,13 @@ BODY = """
 
 
 @pytest.mark.parametrize("scalar", everyday(["float", "double"], ["float"]))
-def test_far_from_nominal_is_refused(scalar: str, tmp_path: Path) -> None:
+def test_parameters_far_from_nominal_are_rejected(scalar: str, tmp_path: Path) -> None:
     body = BODY.replace("SCALAR", scalar)
     assert printed(tmp_path, TUNABLE, body, scalar) == ""
 
 
-def test_nothing_is_tunable(tmp_path: Path) -> None:
-    """No parameters, no function that checks them, and no word about it."""
+def test_without_tunable_parameters_nothing_is_checked(tmp_path: Path) -> None:
+    """Without tunable parameters, neither code nor comments mention a check of parameters."""
     fixed = TUNABLE.replace(", tunable: true", "")
     assert printed(tmp_path, fixed, "    (void)bad; (void)k;\n") == ""
     assert "arameter" not in (tmp_path / "probed_checked.h").read_text()

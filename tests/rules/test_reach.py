@@ -1,4 +1,4 @@
-"""What `forward` gives of joints that its checked function accepts, `odometry` takes: the pose does not freeze."""
+"""`odometry` accepts every result of `forward` for accepted joints, so the pose does not freeze."""
 
 from __future__ import annotations
 
@@ -41,10 +41,8 @@ wheels:
   - {name: front, type: steered, x: 1.4, y: 0, heading: 0, r: 0.11, limits: {steer: [-75 deg, 60 deg]}}
 limits: {vx: 0.1, omega: 0.1, spin: 35}
 """
-FREE = TRICYCLE.replace(
-    ", limits: {spin: 35}}", "}"
-)  # wheels that are sensed alone, and as fast as they like
-# Straight across, the front wheel says nothing of how fast the robot turns.
+FREE = TRICYCLE.replace(", limits: {spin: 35}}", "}")  # wheels that are only sensed, at any speed
+# At a right angle, the front wheel does not determine the yaw rate.
 ACROSS = """
 wmrgen: 1
 name: probed
@@ -53,7 +51,7 @@ wheels:
   - {name: front, type: steered, x: 1, y: 0, heading: 0, r: 0.3, actuated: [steer], sensed: [steer]}
 limits: {vx: 8, omega: 4, spin: 20}
 """
-# Any joint at its stop, at a limit that was overshot, anywhere between, and at an angle of many turns.
+# Joints at their stops, beyond a limit, between the limits, and at an angle of many revolutions.
 WALK = """
     enum { COUNT = PROBED_JOINTS };
     static const float ends[8] = {43.75f, -43.75f, -10.0f, 40.0f, -1.5f, 1.3f, 999.0f, -998.0f};
@@ -129,11 +127,11 @@ def test_what_is_singular_is_not_bounded(tmp_path: Path) -> None:
     low, high = site(derive(load(tmp_path / "probed.yaml"))).reach["omega"]
     assert (
         low == -high and 7.5 * 1.19 <= high <= 7.5 * 2.4
-    )  # 25 rad/s * 0.3 m * tan 50 deg / 1 m, and what boxes add
+    )  # 25 rad/s * 0.3 m * tan 50 deg / 1 m, plus the overestimate of interval arithmetic
 
 
 def test_turns_faster_than_commands(tmp_path: Path) -> None:
-    """A robot whose wheels can do more than its limits command keeps its pose when they do."""
+    """A robot whose wheels turn faster than its limits command still has a valid pose."""
     assert printed(tmp_path, QUICK, TURNING) == ""
 
 

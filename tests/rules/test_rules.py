@@ -1,4 +1,4 @@
-"""Static checkers find nothing in generated C beyond the written deviations, and do find what is planted."""
+"""Static checkers find nothing in generated C but the documented deviations, and they find planted faults."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def needed(robot: str) -> set[Deviation | None]:
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, Finding]]:
-    """Everything that the two checkers say about one robot's C and its self-test."""
+    """Return all findings of the two checkers for one robot's C and its self-test."""
     folder = tmp_path_factory.mktemp(ONE)
     sources = write(folder, ONE)
     both = {MISRA: cppcheck(folder, sources), TIDY: tidy(folder, sources)}
@@ -65,7 +65,7 @@ def test_every_deviation_is_needed_and_written_down(found: list[tuple[str, Findi
 @pytest.mark.slow
 @pytest.mark.parametrize("robot", [name for name in NAMES if name != ONE])
 def test_misra_of_the_gallery(robot: str, tmp_path: Path) -> None:
-    """Self-tests differ in their numbers alone; those of one robot per family are looked at."""
+    """Self-tests differ only in their numbers, so those of one robot per family are checked."""
     sources = write(tmp_path, robot)
     found = cppcheck(tmp_path, sources if robot in FEW else sources[:-1])
     assert beyond(MISRA, found) == []
@@ -100,7 +100,8 @@ def test_gcc_analyzer_of_the_gallery(robot: str, tmp_path: Path) -> None:
 
 
 def test_planted_faults_are_found(tmp_path: Path) -> None:
-    """The checkers are awake: goto, recursion, an assignment as condition, an unset variable, a null pointer."""
+    """The checkers find planted faults: goto, recursion, an assignment as condition, an unset variable, a null
+    pointer."""
     (tmp_path / "planted.c").write_text(PLANTED)
     rules = {check for _, check, _ in beyond(MISRA, cppcheck(tmp_path, ["planted.c"]))}
     assert {"misra-c2012-13.4", "misra-c2012-15.1", "misra-c2012-17.2", "misra-c2012-15.6"} <= rules

@@ -1,4 +1,4 @@
-"""Several robots, and their checked functions, in one translation unit, as unity builds have them."""
+"""Several robots with their checked functions in one translation unit, as in unity builds."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_checked_functions_of_several_robots_in_one_unit(compiler: str, tmp_path
 
 @pytest.mark.slow
 def test_checked_functions_of_two_scalars_in_one_unit(tmp_path: Path) -> None:
-    """The functions themselves are compiled apart; what checks them need not be."""
+    """The functions are compiled separately; their checked variants may share a unit."""
     put(tmp_path, files_of(ROBOTS[0]))
     put(tmp_path, files_of(ROBOTS[1], "double"))
     included = [f'#include "{robot}_checked.c"' for robot in ROBOTS[:2]]

@@ -1,9 +1,9 @@
-"""Arrays: ``<robot>.py``, a plain module over arrays of samples; and the same functions for NumPy without a file.
+"""Arrays: ``<robot>.py``, a Python module for arrays of samples, and the same functions for NumPy without a file.
 
-The module uses the array namespace of its arguments (https://data-apis.org/array-api): NumPy, JAX, PyTorch or CuPy.
-Arguments are the contract names with ``_`` for the dot (``left_spin``); results are dictionaries by contract name.
-Arguments broadcast against each other; every result has the broadcast shape. The state space takes vectors x, u, p
-along the last axis, whose entries STATE, INPUTS and PARAMETERS name; LBX to UBU are their bounds, LBH and UBH those of
+The module uses the array library of its arguments (https://data-apis.org/array-api): NumPy, JAX, PyTorch or CuPy.
+Arguments have the contract names with ``_`` for the dot (``left_spin``). Results are dictionaries by contract name.
+Arguments broadcast, and every result has their common shape. The state space takes vectors x, u and p along the last
+axis. STATE, INPUTS and PARAMETERS name their entries, LBX to UBU are their bounds, and LBH and UBH are the bounds of
 `limits`.
 """
 
@@ -42,15 +42,15 @@ _STYLE = Style(
 )
 
 
-# Operations of arrays and numbers whose result must be an array of the type of the arrays.
+# Operations that may get a number and an array, and need both as arrays of the same type.
 _MIXED = ("select", "with_sign_of", "at_least", "flip", "atan2")
-# Operations that are written otherwise where arrays have derivatives.
+# Operations that are written differently for libraries whose arrays have derivatives.
 _STEEP = ("sqrt", "atan2", "max", "min", "clamp", "at_least")
-_OWN = ("xp", "arguments")  # names of the generated functions
+_OWN = ("xp", "arguments")  # variables of the generated functions
 
 
 def argument_names(function: Function) -> dict[str, str]:
-    """Contract name -> Python argument."""
+    """Return the Python argument of each input by contract name."""
     return variables(function, lambda name: name in _OWN or keyword.iskeyword(name))
 
 
@@ -58,7 +58,7 @@ def argument_names(function: Function) -> dict[str, str]:
 
 
 def _plain(text: str) -> str:
-    """``text`` for a docstring or comment: one line, without quotes or backslashes that could end it."""
+    """Return ``text`` for a docstring: one line, without quotes or backslashes that could end the docstring."""
     return " ".join(text.replace("\\", "/").replace('"', "'").split())
 
 
@@ -67,7 +67,7 @@ def _described(name: str, unit: str, text: str) -> str:
 
 
 def _document(function: Function, names: Mapping[str, str]) -> list[str]:
-    """Its docstring; ``names``: the arguments of the inputs."""
+    """Return the docstring of ``function``; ``names``: contract name -> argument."""
     lines = [_plain(function.text) or f"{function.name}.", ""]
     for title, ports, shown in (
         ("Arguments:", function.inputs, names),
@@ -79,7 +79,7 @@ def _document(function: Function, names: Mapping[str, str]) -> list[str]:
 
 
 def _printed(function: Function) -> dict[str, Any]:
-    """A function of the generated module, as finished lines."""
+    """Return a function of the module, as finished lines."""
     names = argument_names(function)
     code = body(function, names.__getitem__, _STYLE)
     results = _apart(code.results, names.values())
@@ -98,7 +98,7 @@ def _printed(function: Function) -> dict[str, Any]:
 
 
 def _apart(results: Sequence[str], arguments: Iterable[str]) -> list[str]:
-    """``results`` so that no two are the same array, and none is an argument: arrays of NumPy can be changed."""
+    """Return ``results`` as different arrays, none of which is an argument, because users may change arrays."""
     taken, apart = set(arguments), []
     for text in results:
         apart.append(f"{text} * 1.0" if text in taken else text)
@@ -107,7 +107,7 @@ def _apart(results: Sequence[str], arguments: Iterable[str]) -> list[str]:
 
 
 def _entries(vectors: Sequence[VectorForm]) -> dict[str, tuple[Any, ...]]:
-    """The constants of the module that name the entries of x, u and p, what p is unless calibrated, and bounds."""
+    """Return the constants of the state space: names of the entries of x, u and p, nominal parameters, bounds."""
     if not vectors:
         return {}
     names = zip(("STATE", "INPUTS", "PARAMETERS"), vectors[0].vectors, strict=True)
@@ -116,12 +116,13 @@ def _entries(vectors: Sequence[VectorForm]) -> dict[str, tuple[Any, ...]]:
 
 
 def _tuple(values: tuple[Any, ...]) -> str:
-    """As Python reads it, which has no word for infinite floats."""
+    """Return a tuple as Python text; Python has no literal for infinity."""
     words = [f"{v!r}" if isinstance(v, str) else f"{v!r}".replace("inf", 'float("inf")') for v in values]
     return f"({', '.join(words)}{',' * (len(words) == 1)})"
 
 
 def _described_vectors(vector: VectorForm) -> list[str]:
+    """Return the docstring of a function of vectors."""
     return [
         _plain(f"{vector.result} of the {vector.function.text}"),
         "",
@@ -130,12 +131,10 @@ def _described_vectors(vector: VectorForm) -> list[str]:
 
 
 def _of_vectors(vector: VectorForm) -> dict[str, Any]:
-    """The same of a function of vectors."""
-    places = {
-        name: f"{letter}[..., {k}]"
-        for letter, names in zip("xup", vector.vectors, strict=True)
-        for k, name in enumerate(names)
-    }
+    """Return a function of vectors, as finished lines."""
+    places: dict[str, str] = {}
+    for letter, names in zip("xup", vector.vectors, strict=True):
+        places |= {name: f"{letter}[..., {k}]" for k, name in enumerate(names)}
     code = body(vector.function, places.__getitem__, _STYLE)
     document = _described_vectors(vector)
     return {
@@ -148,7 +147,7 @@ def _of_vectors(vector: VectorForm) -> dict[str, Any]:
 
 
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
-    """``<robot>.py``, which needs nothing but the library of its arrays."""
+    """Return ``<robot>.py``, which needs only the library of its arrays."""
     functions = [_printed(function) for function in self_contained(module)]
     vectors = [_of_vectors(vector) for vector in facts.vectors]
     needs = {name for printed in (*functions, *vectors) for name in printed["needs"]}
@@ -172,7 +171,7 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
 
 
 def _columns(function: Function, inputs: Mapping[str, Any]) -> dict[str, Any]:
-    """Every output of ``function`` for arrays by contract name, in the shape they broadcast to."""
+    """Return the outputs of ``function`` for arrays by contract name, in the shape to which the inputs broadcast."""
     arrays = {name: np.asarray(value, dtype=np.float64) for name, value in inputs.items()}
     values = values_of(function, arrays, np.float64)
     shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
@@ -185,6 +184,7 @@ Columns = Callable[[Function, Mapping[str, Any]], dict[str, Any]]
 
 
 def _callable(function: Function, columns: Columns) -> Callable[..., dict[str, Any]]:
+    """Return ``function`` as a Python function with named arguments; ``columns`` computes its outputs."""
     names = argument_names(function)
     contract = {argument: name for name, argument in names.items()}
     nominal = {port.name: to_float64(port.default) for port in function.inputs if port.default is not None}
@@ -212,6 +212,8 @@ def _callable(function: Function, columns: Columns) -> Callable[..., dict[str, A
 
 
 def _callable_of_vectors(vector: VectorForm) -> Callable[..., NDArray[np.float64]]:
+    """Return a function of vectors as a Python function of x, u and p."""
+
     def call(x: Any, u: Any, p: Any = vector.nominal) -> NDArray[np.float64]:
         arrays = [np.asarray(values, dtype=np.float64) for values in (x, u, p)]
         values: dict[str, Any] = {}
@@ -249,7 +251,7 @@ def functions(
 
 
 def evaluate(module: Module, requests: Sequence[Request]) -> list[dict[str, float]]:
-    """Outputs by contract name of each request, in float64, computed for all of a function at once."""
+    """Return the outputs of each request by contract name, in float64, with one computation for each function."""
     cases: dict[str, list[Mapping[str, float]]] = {}
     for name, case in requests:
         cases.setdefault(name, []).append(case)

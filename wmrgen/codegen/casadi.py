@@ -1,14 +1,14 @@
-"""CasADi: one SX function per IR function, node by node, with inputs and outputs by contract name.
+"""CasADi: an SX function for each function of a robot, with inputs and outputs by contract name.
 
-Dots are legal in CasADi's names, so ``f(**{"left.spin": 1.0})["vx"]`` works as everywhere else.
-Tunable parameters are the last inputs and default to their nominal values.
+Names may contain dots: ``f(**{"left.spin": 1.0})["vx"]``. Tunable parameters are the last inputs and default to their
+nominal values.
 
-SX evaluates both branches of every choice, and its derivative of a branch that is not taken is 0 times
-that branch's derivative: NaN where that is infinite. So sqrt and atan2 get harmless arguments at the
-points where they have no derivative; there the derivative given is 0.
+SX evaluates both branches of every choice. The derivative of a branch that is not taken is multiplied by 0, which gives
+NaN if it is infinite. Therefore sqrt and atan2 get other arguments at points where they have no derivative; the
+derivative there is 0.
 
-Divisors that depend on parameters alone have no guard here, as they have in C: a radius, a wheelbase or a castor offset
-must not be 0, which robot files are checked for. With other values of p the caller vouches for it.
+Unlike in C, divisors that depend only on parameters have no guard: a radius, a wheelbase or a castor offset must not be
+0. Robot files are checked for this; a caller who passes other values of p must check them.
 """
 
 from __future__ import annotations
@@ -33,11 +33,14 @@ from wmrgen.ir.geometry import unguarded
 from wmrgen.ir.nodes import Function, Module, Op, uses_of
 from wmrgen.ir.rounding import to_float64
 
-_BLOCK = 4096  # columns that are computed at a time
+_BLOCK = 4096  # columns that are computed at once, so that long logs need no more memory
 
 
 def _apply(op: Op, args: list[ca.SX]) -> ca.SX:
-    """SX.binary and SX.unary are six times as fast as the operators, which try several conversions first."""
+    """Return the result of an operation.
+
+    SX.binary and SX.unary are six times as fast as the operators of SX, which try several conversions first.
+    """
     if callable(op.casadi):
         result: ca.SX = op.casadi(ca, *args)
     elif op.arity == 2:
@@ -48,7 +51,7 @@ def _apply(op: Op, args: list[ca.SX]) -> ca.SX:
 
 
 def to_casadi(function: Function, name: str) -> ca.Function:
-    """``function`` (without PREPARED inputs) as SX function ``name``."""
+    """Return ``function`` (without PREPARED inputs) as the SX function ``name``."""
     symbols = {port.name: ca.SX.sym(port.name) for port in function.inputs}
     tangents, quotients = _tangents(function), _quotients(function)
     values: list[ca.SX] = []
@@ -66,7 +69,9 @@ def to_casadi(function: Function, name: str) -> ca.Function:
         else:
             values.append(_apply(node.op, [values[a] for a in node.args]))
     nominal = defaults(function)
-    options: dict[str, Any] = {"allow_duplicate_io_names": True}  # a steering angle goes in and comes out
+    options: dict[str, Any] = {
+        "allow_duplicate_io_names": True
+    }  # a steering angle may be an input and an output
     if symbols:
         options["default_in"] = [nominal.get(key, 0.0) for key in symbols]
     return ca.Function(
@@ -80,7 +85,10 @@ def to_casadi(function: Function, name: str) -> ca.Function:
 
 
 def _tangents(function: Function) -> dict[int, tuple[int, list[int]]]:
-    """Quotients of a product with a sine by its cosine, both used nowhere else -> the angle and the other factors."""
+    """Return the quotients that are tangents, with the angle and the other factors of the dividend.
+
+    The dividend is a product with a sine, the divisor is the cosine of the same angle, and no other node uses them.
+    """
     nodes, uses = function.nodes, uses_of(function)
     found = {}
     for i, node in enumerate(nodes):
@@ -102,8 +110,10 @@ def _tangents(function: Function) -> dict[int, tuple[int, list[int]]]:
 
 
 def _quotients(function: Function) -> dict[int, tuple[int, int]]:
-    """Products with a reciprocal that nothing else uses -> dividend and divisor: `prepare` is no function of its own
-    here, and a quotient is one instruction, as a product is."""
+    """Return the products with a reciprocal that nothing else uses, with dividend and divisor.
+
+    `prepare` is part of each function here, and a quotient is one instruction instead of two.
+    """
     nodes, uses = function.nodes, uses_of(function)
     found = {}
     for i, node in enumerate(nodes):
@@ -115,18 +125,19 @@ def _quotients(function: Function) -> dict[int, tuple[int, int]]:
 
 
 def functions(module: Module, written: Module | None = None) -> dict[str, ca.Function]:
-    """Return ``<robot>_<function>`` by function name; `prepare` is part of each.
+    """Return ``<robot>_<function>`` by function name; `prepare` is part of each function.
 
     Args:
         module: The optimised functions.
-        written: The same functions as they were lowered. If parameters are inputs, the shorter of the two is taken:
-            `module` moves what depends on parameters alone to `prepare`, which saves nothing here.
+        written: The same functions before optimisation. For functions of tunable parameters, the shorter of the two
+            is used: optimisation moves what depends only on parameters to `prepare`, which saves nothing here.
     """
     plain = {f.name: f for f in written.functions} if written else {}
     return {f.name: _function(f, plain.get(f.name), module.name) for f in self_contained(module)}
 
 
 def _function(function: Function, written: Function | None, robot: str) -> ca.Function:
+    """Return the shorter of an optimised function and the same function before optimisation."""
     name = ca.Function.fix_name(f"{robot}_{function.name}")
     ours = to_casadi(unguarded(function), name)
     if written is None or all(port.role is not Role.GEOMETRY for port in function.inputs):
@@ -144,17 +155,19 @@ def _function(function: Function, written: Function | None, robot: str) -> ca.Fu
 
 
 class OfColumns(NamedTuple):
-    """A CasADi function of columns, each of which is one call of it; other processes can be sent it."""
+    """A CasADi function that is called for each column of a matrix. It can be pickled."""
 
     function: ca.Function
 
     def __call__(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Results (outputs, N) of inputs (inputs, N). CasADi reads and writes NumPy's arrays, a column after the other:
-        it takes longer to fill matrices of its own than to compute."""
+        """Return the results (outputs, N) for inputs (inputs, N).
+
+        CasADi reads and writes NumPy's arrays directly. Copying to CasADi's matrices would take longer than computing.
+        """
         results = np.empty((self.function.size1_out(0), columns.shape[1]))
         for first in range(0, columns.shape[1], _BLOCK):
             block = columns[:, first : first + _BLOCK].T
-            size = 1 << (len(block) - 1).bit_length()  # so that few sizes occur
+            size = 1 << (len(block) - 1).bit_length()  # a power of 2, so that `_mapped` caches few sizes
             inputs, outputs = np.zeros((size, len(columns))), np.empty((size, len(results)))
             inputs[: len(block)] = block
             memory: Any
@@ -166,17 +179,27 @@ class OfColumns(NamedTuple):
         return results
 
 
-@lru_cache(maxsize=64)  # of every size that a few functions have: to make one takes as long as to call it
+@lru_cache(maxsize=64)  # all sizes for a few functions: creating one takes as long as calling it
 def _mapped(function: ca.Function, columns: int) -> ca.Function:
-    """The function of so many columns at once."""
+    """Return the function of this number of columns at once."""
     return function.map(columns)
 
 
 def sensitivity(
     function: Function, outputs: Sequence[str], inputs: Sequence[str], parameters: Sequence[str]
 ) -> OfColumns:
-    """``outputs`` of ``function`` and their exact derivatives by ``parameters``, (outputs x (1 + parameters), N) by
-    parameter, of columns of ``inputs`` and ``parameters``, (inputs + parameters, N)."""
+    """Return some outputs of a function with their exact derivatives with respect to parameters.
+
+    Args:
+        function: A function of the robot.
+        outputs: Contract names of the outputs.
+        inputs: Contract names of the first rows of the argument.
+        parameters: Contract names of the other rows of the argument.
+
+    Returns:
+        A function of columns (inputs + parameters, N). Its result has the shape (outputs * (1 + parameters), N): the
+        outputs, then their derivatives with respect to the first parameter, the second, and so on.
+    """
     whole = to_casadi(function, "whole")
     names = [*inputs, *parameters]
     symbols = ca.SX.sym("columns", len(names))
@@ -187,20 +210,20 @@ def sensitivity(
 
 
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
-    """``<robot>_<function>.casadi`` for ``casadi.Function.load``; the bytes `Function.save` would write."""
+    """Return ``<robot>_<function>.casadi`` for ``casadi.Function.load``, with the bytes that `Function.save` writes."""
     every = functions(module, facts.written) | {v.name: of_vectors(v, module.name) for v in facts.vectors}
     return {f"{module.name}_{name}.casadi": content(function) for name, function in every.items()}
 
 
 def content(function: ca.Function) -> bytes:
-    """Of a file for `casadi.Function.load`."""
+    """Return the content of a file for `casadi.Function.load`."""
     serializer = ca.StringSerializer()
     serializer.pack(function)
     return bytes(serializer.encode().encode("ascii"))
 
 
 def evaluate(module: Module, requests: Sequence[Request]) -> list[dict[str, float]]:
-    """Outputs by contract name of each request, in float64."""
+    """Return the outputs of each request by contract name, in float64."""
     asked = {name for name, _ in requests}
     called = {f.name: (f, to_casadi(unguarded(f), "f")) for f in self_contained(module) if f.name in asked}
     results = []
@@ -215,10 +238,10 @@ def evaluate(module: Module, requests: Sequence[Request]) -> list[dict[str, floa
 
 
 class OfVectors(ca.Function):
-    """A CasADi function of vectors in which ``p`` is nominal if a call leaves it out.
+    """A CasADi function of vectors in which ``p`` is nominal if a call omits it.
 
-    CasADi itself has one default for all entries of an input. Functions that CasADi makes from this one (``map``,
-    ``factory``, files) have CasADi's default: the nominal value if all entries share it, else NaN.
+    CasADi itself has one default for all entries of an input. Functions that CasADi derives from this one (``map``,
+    ``factory``, files) have CasADi's default: the nominal value if it is the same for all entries, otherwise NaN.
     """
 
     def __init__(self, function: ca.Function, nominal: Sequence[float] | None = None) -> None:
@@ -228,7 +251,7 @@ class OfVectors(ca.Function):
         )
 
     def call(self, *args: Any) -> Any:
-        """As `casadi.Function.call`, with p filled in."""
+        """Call the function as `casadi.Function.call` does; ``p`` may be omitted."""
         given, *flags = args
         place = self.index_in("p")
         if isinstance(given, dict):
@@ -250,7 +273,7 @@ def _of_vectors(
     outputs: dict[str, Any],
     nominal: Sequence[float],
 ) -> OfVectors:
-    """The function ``name`` of x, u, p and, for a free step, dt, which has no default."""
+    """Return the function ``name`` of x, u, p and, if it is an input, dt, which has no default."""
     same = nominal[0] if len(set(nominal)) == 1 else math.nan
     options = {"default_in": [{"p": same, "dt": math.nan}.get(key, 0.0) for key in inputs]}
     function = ca.Function(
@@ -260,11 +283,13 @@ def _of_vectors(
 
 
 def of_vectors(vector: VectorForm, robot: str) -> OfVectors:
-    """``(x, u, p) -> xdot``, or another result, of vectors."""
-    vectors = [ca.SX.sym(name, len(entries)) for name, entries in zip("xup", vector.vectors, strict=True)]
-    named = {
-        e: v[i] for v, entries in zip(vectors, vector.vectors, strict=True) for i, e in enumerate(entries)
-    }
+    """Return a function of vectors, such as ``(x, u, p) -> xdot``."""
+    vectors: list[ca.SX] = []
+    named: dict[str, ca.SX] = {}
+    for name, entries in zip("xup", vector.vectors, strict=True):
+        symbol = ca.SX.sym(name, len(entries))
+        vectors.append(symbol)
+        named |= {entry: symbol[i] for i, entry in enumerate(entries)}
     results = []
     for function in (vector.function, *vector.others):
         inputs = [named[port.name] for port in function.inputs]
@@ -277,7 +302,8 @@ def of_vectors(vector: VectorForm, robot: str) -> OfVectors:
 
 
 def _size(inputs: Sequence[ca.SX], result: ca.SX) -> tuple[int, int]:
-    """Instructions of a result with its Jacobian, which an optimiser calls in each iteration; of the Jacobian."""
+    """Return the instructions of a result with its Jacobian, which an optimiser calls in each iteration, and those of
+    the Jacobian alone."""
     jacobian = ca.jacobian(result, ca.vertcat(*inputs))
     rates, derivatives = (
         ca.Function("f", list(inputs), [value]).n_instructions() for value in (result, jacobian)
@@ -285,7 +311,7 @@ def _size(inputs: Sequence[ca.SX], result: ca.SX) -> tuple[int, int]:
     return rates + derivatives, derivatives
 
 
-# One step of CasADi's; collocation: Radau's, three points, by a Newton method that CasADi writes in C, too.
+# Integrators of CasADi with their options: steps, and the order or the points and the Newton method.
 _SCHEMES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rk4": (ca.simpleRK, (1, 4)),
     "collocation": (ca.simpleIRK, (1, 3, "radau", "fast_newton")),
@@ -310,13 +336,15 @@ def step(model: OfVectors, odometry: Function, kind: str, dt: Any = None) -> OfV
             changes with the state.
     """
     if kind not in ("exact", *_SCHEMES):
-        raise UsageError(f"there is no step {kind}: write exact, {' or '.join(_SCHEMES)}")
+        raise UsageError(f"there is no step of kind {kind}: write exact, {' or '.join(_SCHEMES)}")
     free = dt is None or (isinstance(dt, (ca.SX, ca.MX)) and dt.is_symbolic() and dt.is_scalar())
     if not free and not _is_time(dt):
         raise UsageError(
-            f"dt is {dt}: a step takes time. Write dt in seconds, such as 0.05, or leave it out: dt is then an input."
+            f"dt is {dt}: a step takes time. Write dt in seconds, such as 0.05, or omit it: dt is then an input."
         )
-    symbol: Any = ca.MX.sym if kind == "collocation" else ca.SX.sym  # what solves equations has no SX
+    symbol: Any = (
+        ca.MX.sym if kind == "collocation" else ca.SX.sym
+    )  # a function that solves equations has no SX form
     x, u, p = vectors = [symbol(name, model.size1_in(i)) for i, name in enumerate("xup")]
     time = symbol("dt") if free else float(dt)
     if kind == "exact":
@@ -335,7 +363,7 @@ def step(model: OfVectors, odometry: Function, kind: str, dt: Any = None) -> OfV
 
 
 def _is_time(dt: Any) -> bool:
-    """Whether it is a positive number."""
+    """Return whether ``dt`` is a positive number."""
     try:
         return 0 < float(dt) < math.inf
     except (TypeError, ValueError, RuntimeError, NotImplementedError):
@@ -343,19 +371,34 @@ def _is_time(dt: Any) -> bool:
 
 
 def _changes(model: ca.Function) -> ca.Function:
-    """A model as CasADi's schemes want it, of what the state changes by since the beginning of the step: far from the
-    origin Newton's method would never come to rest. Beginning, inputs and parameters are one vector."""
+    """Return a model for CasADi's integrators, whose state is the change since the beginning of the step.
+
+    With the state itself, Newton's method would not converge far from the origin. Its parameters are the state at the
+    beginning of the step, the inputs and the parameters of the model, as one vector.
+    """
     x, u, p = (ca.SX.sym(name, model.size1_in(i)) for i, name in enumerate("xup"))
     change = ca.SX.sym("change", model.size1_in(0))
     return ca.Function("ode", [change, ca.vertcat(x, u, p)], [model(x + change, u, p)], ["x", "p"], ["ode"])
 
 
 def _exact(model: ca.Function, odometry: ca.Function, vectors: Sequence[ca.SX], dt: Any) -> ca.SX:
-    """x y theta by odometry, which is exact where the twist is constant; what else there is by a constant rate or by
-    one that falls off at first order."""
+    """Return the exact state after a step.
+
+    Odometry gives x, y and theta, because the twist is constant. All other entries have a constant rate, or decay with
+    first order.
+
+    Args:
+        model: ``(x, u, p) -> xdot``.
+        odometry: The robot's odometry.
+        vectors: x, u and p.
+        dt: Length of the step [s].
+
+    Raises:
+        UsageError: The twist depends on the state, or another entry has other dynamics.
+    """
     x, u, p = vectors
     rest = x[3:]
-    body = model(ca.vertcat(x[:2], 0, rest), u, p)  # at heading 0 the world's axes are the robot's
+    body = model(ca.vertcat(x[:2], 0, rest), u, p)  # at heading 0, the axes of world and robot are parallel
     decay = ca.jacobian(body[3:], rest)
     coupled = decay.nnz() != ca.diag(ca.diag(decay)).nnz() or ca.symvar(decay)
     if coupled or any(ca.which_depends(body[:3], rest, 1, True)):
@@ -369,6 +412,6 @@ def _exact(model: ca.Function, odometry: ca.Function, vectors: Sequence[ca.SX], 
 
 
 _NOT_EXACT = (
-    "the exact step needs a twist that the inputs alone decide, and no angles that follow the motion. Write the form "
-    "twist, or a step of rk4 or collocation."
+    "the exact step needs a twist that the inputs alone decide, and no angles that follow the motion. Use the form "
+    "twist, or a step of kind rk4 or collocation."
 )

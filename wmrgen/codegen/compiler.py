@@ -1,10 +1,14 @@
-"""The compilers of the system, in one place: find one, compile in a temporary folder, run the program."""
+"""The programs of the system: find a compiler or tool, compile in a temporary folder, run a program.
+
+Only this module starts other programs.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import os
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -19,31 +23,48 @@ from wmrgen.errors import EnvironmentFailure
 
 _USUAL = ("cc", "gcc", "clang")
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome", "msedge")
-_TEX = ("lualatex", "xelatex")  # those that print Greek letters
-_THEN = {"SOURCE_DATE_EPOCH": "946684800", "FORCE_SOURCE_DATE": "1"}  # the date of a TeX
-_HOW = "Install one (Debian, Ubuntu: apt-get install gcc; macOS: xcode-select --install) or set CC."
-# Contraction to fused multiply-add is off so that results are those of the printed operations. Not optimised: a program
-# is run once, and ends before a compiler has improved it.
+_TEX = ("lualatex", "xelatex")  # engines that print Greek letters
+_FIXED_DATE = {"SOURCE_DATE_EPOCH": "946684800", "FORCE_SOURCE_DATE": "1"}  # for TeX: 1 January 2000
+_HOW_TO_INSTALL = (
+    "Install one (Debian, Ubuntu: apt-get install gcc; macOS: xcode-select --install) or set CC."
+)
+# Without contraction to fused multiply-add, results are those of the printed operations. Without optimisation, because
+# the program runs once and ends sooner than a compiler would optimise it.
 DEFAULT_FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
-# Of arrays of states: vectors of the processor, without what would change a result.
+# For arrays of states: vector instructions of this processor, but no option that changes a result.
 LIBRARY_FLAGS = (
     "-std=c99", "-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-shared",
     "-fPIC", "-fno-semantic-interposition",  # without the latter nothing is inlined
 )  # fmt: skip
-_TIMEOUT = 300
+TIMEOUT = 300.0  # s: a program that runs longer hangs
 _DATE = re.compile(rb"(/(?:CreationDate|ModDate) ?)\(D:[^)]*\)")
-_STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+STOP_SIGNALS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+)
 
 
-def find_compiler(cc: str | None = None) -> str:
-    """Path of ``cc``, else of $CC, else of the first of cc, gcc and clang. EnvironmentFailure without one."""
-    wanted = cc or os.environ.get("CC", "")
-    names = (wanted,) if wanted else _USUAL
+def find_compiler(cc: str | None = None) -> tuple[str, ...]:
+    """Return the command of the C compiler: ``cc``, or $CC, or the first of cc, gcc and clang.
+
+    A command may have arguments (``ccache gcc``) and is split as a shell does. An empty one counts as unset.
+
+    Raises:
+        EnvironmentFailure: There is no such program.
+    """
+    wanted = _split(cc or "") or _split(os.environ.get("CC", ""))
+    names, arguments = ((wanted[0],), wanted[1:]) if wanted else (_USUAL, [])
     for name in names:
         path = shutil.which(name)
         if path:
-            return path
-    raise EnvironmentFailure(f"no C compiler found: looked for {', '.join(names)}. {_HOW}")
+            return (path, *arguments)
+    raise EnvironmentFailure(f"no C compiler found: looked for {', '.join(names)}. {_HOW_TO_INSTALL}")
+
+
+def _split(command: str) -> list[str]:
+    try:
+        return shlex.split(command, posix=os.name == "posix")
+    except ValueError as error:
+        raise EnvironmentFailure(f"the compiler command {command!r} cannot be split: {error}") from error
 
 
 def _run(
@@ -52,18 +73,32 @@ def _run(
     stdin: str = "",
     env: Mapping[str, str] | None = None,
     folder: str | None = None,
-    how: str = f". {_HOW}",
-    both: bool = False,
-) -> str:
+    how: str = f". {_HOW_TO_INSTALL}",
+    timeout: float = TIMEOUT,
+) -> tuple[str, str]:
+    """Run a program and return what it prints on stdout and on stderr.
+
+    Args:
+        command: The program with its arguments.
+        what: What the program is, for messages.
+        stdin: Its input.
+        env: Variables of the environment that are added.
+        folder: Its working directory.
+        how: How to get the program, for messages.
+        timeout: Longest duration [s].
+
+    Raises:
+        EnvironmentFailure: The program cannot be started, fails, or takes too long.
+    """
     try:
-        with _held() as deliver, subprocess.Popen(
+        with delay_signals() as deliver, subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
             errors="replace", env=None if env is None else {**os.environ, **env}, cwd=folder,
             process_group=0 if os.name == "posix" else None,
         ) as process:  # fmt: skip
             try:
                 deliver()
-                printed, errors = process.communicate(stdin, timeout=_TIMEOUT)
+                printed, errors = process.communicate(stdin, timeout=timeout)
             except BaseException:
                 _end(process)
                 raise
@@ -72,13 +107,15 @@ def _run(
     if process.returncode != 0:
         message = "\n".join(errors.splitlines()[:20])
         raise EnvironmentFailure(f"{what} failed with status {process.returncode}:\n{message}")
-    return printed + errors if both else printed
+    return printed, errors
 
 
 @contextlib.contextmanager
-def _held() -> Iterator[Callable[[], None]]:
-    """Signals that would end this process wait until the function that it gives is called: one that comes while a
-    program is being started would leave a program that nobody knows of."""
+def delay_signals() -> Iterator[Callable[[], None]]:
+    """Delay signals that would end this process until the function that this context returns is called.
+
+    A signal that arrives while a program is being started would otherwise leave that program running.
+    """
     arrived: list[int] = []
     handlers: dict[int, Callable[[int, FrameType | None], Any]] = {}
 
@@ -89,7 +126,7 @@ def _held() -> Iterator[Callable[[], None]]:
             signal.raise_signal(arrived.pop())
 
     if threading.current_thread() is threading.main_thread():
-        for number in _STOPS:
+        for number in STOP_SIGNALS:
             handler = signal.getsignal(number)
             if callable(handler):
                 handlers[number] = handler
@@ -101,7 +138,7 @@ def _held() -> Iterator[Callable[[], None]]:
 
 
 def _end(process: subprocess.Popen[str]) -> None:
-    """Kill a process and those it started: a compiler is a driver that waits for others."""
+    """Kill a process and its children: a compiler is a driver that starts other programs and waits for them."""
     if os.name == "posix":
         with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
@@ -110,11 +147,11 @@ def _end(process: subprocess.Popen[str]) -> None:
 
 @contextlib.contextmanager
 def _folder_of(files: Mapping[str, str]) -> Iterator[Path]:
-    """A temporary folder that holds ``files`` (name -> text). EnvironmentFailure where it cannot be made."""
+    """Create a temporary folder with ``files`` (name -> text). Raise EnvironmentFailure if that fails."""
     try:
         folder = tempfile.TemporaryDirectory(prefix="wmrgen-")
     except OSError as error:
-        raise EnvironmentFailure(f"no temporary folder can be made: {error}") from error
+        raise EnvironmentFailure(f"cannot create a temporary folder: {error}") from error
     with folder as name:
         try:
             for file, text in files.items():
@@ -129,27 +166,43 @@ def _folder_of(files: Mapping[str, str]) -> Iterator[Path]:
 def compile_program(
     folder: Path, sources: Sequence[str], cc: str | None = None, flags: Sequence[str] = DEFAULT_FLAGS
 ) -> Path:
-    """Compile and link ``sources`` (file names in ``folder``) to ``folder/program``; with -c an object."""
+    """Compile and link to ``folder/program``.
+
+    Args:
+        folder: Folder of the sources.
+        sources: File names.
+        cc: Command of the compiler; None for that of the system.
+        flags: Flags of the compiler. With -c the result is an object file.
+
+    Raises:
+        EnvironmentFailure: There is no C compiler, or it fails.
+    """
     compiler = find_compiler(cc)
     program = folder / "program"
     paths = [str(folder / name) for name in sources]
     libraries = () if "-c" in flags else ("-lm",)
-    _run([compiler, *flags, "-o", str(program), *paths, *libraries], f"the C compiler {compiler}")
+    _run([*compiler, *flags, "-o", str(program), *paths, *libraries], f"the C compiler {' '.join(compiler)}")
     return program
 
 
 def load_library(files: Mapping[str, str], source: str, cc: str | None = None) -> Any:
-    """Compile ``source`` of ``files`` (name -> text) to a shared library; return it as a ctypes.CDLL.
+    """Compile a shared library and return it as a ctypes.CDLL.
 
-    EnvironmentFailure if there is no compiler, or if it fails.
+    Args:
+        files: File name -> text.
+        source: The file that is compiled.
+        cc: Command of the compiler; None for that of the system.
+
+    Raises:
+        EnvironmentFailure: There is no C compiler, or it fails.
     """
     import ctypes
 
     compiler = find_compiler(cc)
     with _folder_of(files) as folder:
         library = folder / "library.so"
-        command = [compiler, *LIBRARY_FLAGS, "-o", str(library), str(folder / source), "-lm"]
-        _run(command, f"the C compiler {compiler}")
+        command = [*compiler, *LIBRARY_FLAGS, "-o", str(library), str(folder / source), "-lm"]
+        _run(command, f"the C compiler {' '.join(compiler)}")
         try:
             return ctypes.CDLL(str(library))
         except OSError as error:
@@ -157,8 +210,17 @@ def load_library(files: Mapping[str, str], source: str, cc: str | None = None) -
 
 
 def run_program(program: Path, stdin: str, env: Mapping[str, str] | None = None) -> str:
-    """Standard output of ``program``. EnvironmentFailure when it fails."""
-    return _run([str(program)], f"the compiled program {program.name}", stdin, env)
+    """Run ``program`` and return its standard output.
+
+    Args:
+        program: Path of the program.
+        stdin: Its input.
+        env: Variables of the environment that are added.
+
+    Raises:
+        EnvironmentFailure: The program fails.
+    """
+    return _run([str(program)], f"the compiled program {program.name}", stdin, env)[0]
 
 
 def compile_and_run(
@@ -167,18 +229,40 @@ def compile_and_run(
     cc: str | None = None,
     flags: Sequence[str] = DEFAULT_FLAGS,
 ) -> str:
-    """Compile every ``.c`` among ``files`` (name -> text) in a temporary folder and run it."""
+    """Compile C in a temporary folder, run the program and return its standard output.
+
+    Args:
+        files: File name -> text. Every ``.c`` file is compiled.
+        stdin: Input of the program.
+        cc: Command of the compiler; None for that of the system.
+        flags: Flags of the compiler.
+
+    Raises:
+        EnvironmentFailure: There is no C compiler, or it or the program fails.
+    """
     with _folder_of(files) as folder:
         program = compile_program(folder, [file for file in files if file.endswith(".c")], cc, flags)
         return run_program(program, stdin)
 
 
 def run_rust(crate: str, library: str, program: str, stdin: str, flags: Sequence[str]) -> str:
-    """Compile a crate and a program that uses it, both text, and run that."""
+    """Compile a crate and a program that uses it, run the program and return its standard output.
+
+    Args:
+        crate: Name of the crate.
+        library: Text of the crate.
+        program: Text of the program.
+        stdin: Input of the program.
+        flags: Flags of the compiler.
+
+    Raises:
+        EnvironmentFailure: There is no Rust compiler, or it or the program fails.
+    """
     compiler = find_tool("rustc")
     if compiler is None:
-        how = "Install one (Debian, Ubuntu: apt-get install rustc)."
-        raise EnvironmentFailure(f"no Rust compiler found. {how}")
+        raise EnvironmentFailure(
+            "no Rust compiler found: looked for rustc. Install one (Debian, Ubuntu: apt-get install rustc)."
+        )
     with _folder_of({"lib.rs": library, "main.rs": program}) as folder:
         command = [compiler, "--edition=2021", *flags, f"-L{folder}", f"--out-dir={folder}"]
         what = f"the Rust compiler {compiler}"
@@ -188,26 +272,33 @@ def run_rust(crate: str, library: str, program: str, stdin: str, flags: Sequence
 
 
 def run_node(files: Mapping[str, str]) -> str:
-    """What Node prints when it runs ``main.mjs`` of ``files`` (name -> text)."""
+    """Run ``main.mjs`` of ``files`` (name -> text) with Node and return its standard output."""
     node = find_tool("node")
     if node is None:
-        raise EnvironmentFailure("no Node found. Install it (Debian, Ubuntu: apt-get install nodejs).")
+        raise EnvironmentFailure(
+            "no Node found: looked for node. Install it (Debian, Ubuntu: apt-get install nodejs)."
+        )
     return run_tool([node, "main.mjs"], files)
 
 
 def print_pages(page: str, files: Mapping[str, str], markdown: Sequence[str]) -> bytes:
-    """The PDF of an HTML page, by Chromium or a browser that is made of it; where there is none, of the pages
-    ``markdown`` among ``files``, which hold their figures and ``paper.lua``, by pandoc and a TeX. EnvironmentFailure
-    without either.
+    """Print a report as PDF: the HTML page with Chromium, or the Markdown pages with pandoc and TeX.
 
-    What says when it was printed is taken out, so that the same bytes come again.
+    Pandoc is used if there is no Chromium, nor a browser that is based on it. The dates in the PDF are fixed, so that
+    the same report gives the same bytes.
+
+    Args:
+        page: The HTML page.
+        files: File name -> text of the Markdown pages, their figures and ``paper.lua``.
+        markdown: Names of the Markdown pages, in order.
+
+    Raises:
+        EnvironmentFailure: There is neither a browser nor pandoc with TeX, or they fail.
     """
-    browser, tex = (
-        next((path for n in names if (path := find_tool(n))), None) for names in (_BROWSERS, _TEX)
-    )
+    browser, tex = _first_tool(_BROWSERS), _first_tool(_TEX)
     with _folder_of({**files, "page.html": page}) as folder:
         if browser:
-            # Chromium refuses to run in its sandbox as root.
+            # As root, Chromium does not start with its sandbox.
             root = ["--no-sandbox"] if os.name == "posix" and os.geteuid() == 0 else []
             options = [
                 "--headless",
@@ -222,30 +313,46 @@ def print_pages(page: str, files: Mapping[str, str], markdown: Sequence[str]) ->
             command = [pandoc, *options, "--output=page.pdf", *markdown]
         else:
             raise EnvironmentFailure(
-                f"nothing found that prints a PDF: looked for {', '.join(_BROWSERS)}, and for pandoc, rsvg-convert and "
-                f"{' or '.join(_TEX)}. Install a browser (Debian, Ubuntu: apt-get install chromium), or print "
-                "report.html (--html) yourself."
+                f"no program found that prints a PDF: looked for {', '.join(_BROWSERS)}, and for pandoc, "
+                f"rsvg-convert and {' or '.join(_TEX)}. Install a browser (Debian, Ubuntu: apt-get install "
+                "chromium), or print report.html (--html) yourself."
             )
-        _run(command, Path(command[0]).name, folder=str(folder), env=_THEN, how="")
+        _run(command, Path(command[0]).name, folder=str(folder), env=_FIXED_DATE, how="")
         try:
             printed = (folder / "page.pdf").read_bytes()
         except OSError as error:
             raise EnvironmentFailure(f"{command[0]} printed nothing") from error
-    # Of the length that a browser's date has, for a PDF says at which byte each part begins.
+    # The fixed date has the length of a browser's date, because a PDF contains the byte offset of each of its parts.
     return _DATE.sub(rb"\1(D:20000101000000+00'00')", printed) if browser else printed
 
 
 def find_tool(name: str) -> str | None:
-    """Path of an analyser on the PATH, None when there is none."""
+    """Return the path of a program on the PATH, or None if there is none."""
     return shutil.which(name)
 
 
-def run_tool(command: Sequence[str], files: Mapping[str, str], both: bool = False) -> str:
-    """What ``command`` prints, run in a temporary folder that holds ``files`` (name -> text).
+def _first_tool(names: Sequence[str]) -> str | None:
+    """Return the path of the first of several programs that exists."""
+    return next(filter(None, map(find_tool, names)), None)
 
-    ``both``: on stderr, too.
+
+def run_tool(
+    command: Sequence[str], files: Mapping[str, str], both: bool = False, timeout: float = TIMEOUT
+) -> str:
+    """Run ``command`` in a temporary folder and return its standard output.
+
+    Args:
+        command: The program with its arguments.
+        files: File name -> text of the files in the folder.
+        both: Whether to append what it prints on stderr.
+        timeout: Longest duration [s].
+
+    Raises:
+        EnvironmentFailure: The program cannot be started, fails, or takes too long.
     """
     with _folder_of(files) as folder:
-        # Frama-C looks for its files in $PWD, whatever its working directory is.
-        name = str(folder)
-        return _run(command, Path(command[0]).name, env={"PWD": name}, folder=name, how="", both=both)
+        # Frama-C looks for files in $PWD, not in its working directory.
+        env = {"PWD": str(folder)}
+        name = Path(command[0]).name
+        printed, errors = _run(command, name, env=env, folder=str(folder), how="", timeout=timeout)
+        return printed + errors if both else printed

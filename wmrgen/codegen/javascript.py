@@ -1,6 +1,6 @@
-"""JavaScript: an ES module for browsers and Node, and the package that npm takes it as.
+"""JavaScript: an ES module for browsers and Node, and the manifest of an npm package.
 
-A function takes an object and returns one, members by contract name. Numbers are doubles, as JavaScript has them.
+A function takes an object and returns an object, whose members have contract names. Numbers are doubles.
 """
 
 from __future__ import annotations
@@ -27,13 +27,12 @@ finally for function if implements import in instanceof interface let Math new n
 public return static super switch this throw true try typeof undefined var void while with yield
 """.split()
 )
-_LONGEST = 84  # columns of an object on one line
-# What else the form of an operation calls.
+# Helpers that the text of an operation calls in addition.
 _NEEDED = {Op.AT_LEAST: "_is_negative", Op.WITH_SIGN_OF: "_is_negative"}
 
 
 def number(value: float) -> str:
-    """A number of the source text."""
+    """Return a number as source text."""
     return {"inf": "Infinity", "-inf": "-Infinity", "nan": "NaN"}.get(repr(value), repr(value))
 
 
@@ -43,22 +42,22 @@ def _literal(value: Exact) -> str:
 
 
 def _form(op: Op) -> str:
-    """As C has it, where JavaScript has no form of its own: C's functions are members of Math."""
+    """Return the text of an operation: JavaScript's own, or that of C with C's functions as members of Math."""
     text = op.c.replace("{f}", "")
     return op.javascript or (Conditional(text) if isinstance(op.c, Conditional) else f"Math.{text}")
 
 
-# No port or parameter begins with an underscore.
+# Names of ports and parameters never begin with an underscore.
 _STYLE = Style(_literal, _form, "const {0} = {1};", "_t{0}", named="_{}".format)
 
 
 def _plain(text: str) -> str:
-    """``text`` for a comment: one line, which no browser takes for a tag where the module stands in a page."""
+    """Return ``text`` on one line for a comment; inside a page, no browser takes part of it for a tag."""
     return re.sub(r"<(?=[!/?a-zA-Z])", "< ", " ".join(text.split()))
 
 
 def _printed(function: Function) -> dict[str, Any]:
-    """A function of the generated module, as finished lines."""
+    """Return a function of the module, as finished lines."""
     names = variables(function, _KEYWORDS.__contains__)
     code = body(function, names.__getitem__, _STYLE)
     members = [
@@ -78,17 +77,16 @@ def _printed(function: Function) -> dict[str, Any]:
 
 
 def _object(members: Sequence[str], indent: str) -> str:
-    """On one line where it is short."""
+    """Return an object literal, on one line if it is short."""
     line = f"{{ {', '.join(members)} }}"
-    return (
-        line
-        if len(line) <= _LONGEST
-        else "{\n" + "".join(f"{indent}  {m},\n" for m in members) + f"{indent}}}"
-    )
+    if len(line) <= 84:  # columns
+        return line
+    lines = "".join(f"{indent}  {member},\n" for member in members)
+    return f"{{\n{lines}{indent}}}"
 
 
 def _document(function: Function) -> list[str]:
-    """What it does, takes and returns."""
+    """Return the comment of a function: what it does, takes and returns."""
     lines = [_plain(function.text) or f"{function.name}."]
     for title, ports in (("Takes:", function.inputs), ("Returns:", function.outputs)):
         if ports:
@@ -97,7 +95,7 @@ def _document(function: Function) -> list[str]:
 
 
 def text(module: Module, facts: Facts) -> str:
-    """The source text of the ES module."""
+    """Return the source text of the ES module."""
     functions = [_printed(function) for function in self_contained(module)]
     ops = frozenset[Op]().union(*(function["ops"] for function in functions))
     needs = {_NEEDED[op] for op in ops & _NEEDED.keys()} | {_form(op).partition("(")[0] for op in ops}
@@ -113,14 +111,14 @@ def text(module: Module, facts: Facts) -> str:
 
 
 def expression(module: Module) -> str:
-    """An expression of an object with the functions, for a script that cannot import a module; without comments."""
+    """Return an expression for an object with all functions, for scripts that cannot import a module."""
     lines = (line for line in text(module, Facts()).splitlines(keepends=True) if not line.startswith("//"))
     script = "".join(line.removeprefix("export ") for line in lines)
     return f"(() => {{\n{script}return {_object([f.name for f in module.functions], '')};\n}})()"
 
 
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
-    """``<robot>.js`` and ``package.json``."""
+    """Return ``<robot>.js`` and ``package.json``."""
     manifest = render(
         "javascript/package.json.j2",
         robot=module.name,
@@ -132,7 +130,7 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
 
 
 def evaluate(module: Module, requests: Sequence[Request]) -> list[dict[str, float]]:
-    """Outputs by contract name of each request, in float64, by Node. EnvironmentFailure where there is none."""
+    """Return the outputs of each request by contract name, computed by Node. Raise EnvironmentFailure without Node."""
     functions = {function.name: function for function in self_contained(module)}
     calls = []
     for name, case in requests:

@@ -1,13 +1,13 @@
-"""The loop of a robot, from sensors to motors: its functions, their order, and the variables that they share.
+"""The control loop of a robot, from sensors to motors: its functions, their order, and the variables that they share.
 
-counters, wheels      counts of the encoders, and measured joints
-twist, pose           the measured motion of the robot and its pose, with covariances if the robot file has noise
-wanted, driven        the wanted twist, and the twist that `limit_acceleration` or `setpoint` makes of it; `setpoint`
-                      keeps the limits of `limit_acceleration` as well, so it replaces it
+counters, wheels      counts of the encoders, and measured joints twist, pose           the measured twist of the robot
+and its pose, with covariances if the robot file has noise wanted, driven        the wanted twist, and the twist that
+`limit_acceleration` or `setpoint` computes from it; `setpoint`
+                      applies the limits of `limit_acceleration` as well, so it replaces that function
 commands, before      commands for the joints, and those of the previous step
 
-Steering starts from the last commands, not from the measured angles: the error of a measurement (a count of an encoder,
-the lag of a motor) would become the next command, and modules would creep at rest.
+Steering starts from the last commands, not from the measured angles. Otherwise an error of measurement (a count of an
+encoder, the lag of a motor) would become the next command, and steered wheels would creep at rest.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from wmrgen.codegen.signature import arguments
 from wmrgen.ir.nodes import Module
 
 COUNTERS = "joints_from_counters"
-# What the arguments of each function are in the loop, where they are not called so.
+# Each function of the loop, with the variable of each argument that has another name.
 _SENSES: tuple[tuple[str, Mapping[str, str]], ...] = (
     (COUNTERS, {"now": "counters", "last": "counters_before", "out": "wheels"}),
     ("forward", {}),
@@ -43,7 +43,7 @@ _ACTS: tuple[tuple[str, Mapping[str, str]], ...] = (
 
 
 def only_read(module: Module) -> tuple[str, ...]:
-    """The joints that `inverse` reads and does not command, as angles of castors: commands take them from wheels."""
+    """Return the joints that `inverse` reads but does not command, such as the angles of passive castors."""
     own = arguments(module.function("inverse"), module.joints)
     commanded = {member for argument in own for member in argument.writes.values()}
     read = [m for argument in own if argument.name == "now" for m in argument.reads.values()]
@@ -51,21 +51,27 @@ def only_read(module: Module) -> tuple[str, ...]:
 
 
 class Stage(NamedTuple):
-    """A function of the loop, and the variable that each of its arguments is, where that is called otherwise."""
+    """A function of the loop."""
 
     function: str
-    variables: Mapping[str, str]
+    variables: Mapping[str, str]  # argument -> variable of the loop, if it has another name
 
 
 class Loop(NamedTuple):
-    """``senses``: from what the wheels do to the pose; ``acts``: from the wanted twist to commands."""
+    """The functions of the loop of one robot, in the order in which they are called."""
 
-    senses: tuple[Stage, ...]
-    acts: tuple[Stage, ...]
+    senses: tuple[Stage, ...]  # from measured joints to the pose
+    acts: tuple[Stage, ...]  # from the wanted twist to commands
 
 
 def loop(module: Module, has: Collection[str], covariances: bool = True) -> Loop:
-    """The loop of ``module`` with those functions that it ``has``; without ``covariances`` where nobody reads them."""
+    """Return the loop of a robot.
+
+    Args:
+        module: The functions of the robot.
+        has: Names of the functions that may be called.
+        covariances: Whether the loop computes covariances.
+    """
     names = set(has)
     if not covariances or not {"forward_covariance", "odometry_covariance"} <= names:
         names -= {"forward_covariance", "odometry_covariance"}
@@ -74,7 +80,7 @@ def loop(module: Module, has: Collection[str], covariances: bool = True) -> Loop
         for argument in arguments(module.function("forward_covariance"), module.joints)
     )
     names -= {"forward"} if slip else {"forward_slip"}
-    # One of them moves the pose.
+    # One odometry function updates the pose.
     moves = next(n for n in ("odometry_covariance", "odometry_compensated", "odometry") if n in names)
     names -= {"odometry_covariance", "odometry_compensated", "odometry"} - {moves}
     if "setpoint" in names:

@@ -1,6 +1,6 @@
-"""The backends: one entry each, which says all that others need to know.
+"""The backends: an entry for each, with all that other modules need to know of it.
 
-A backend is imported only when asked for.
+A backend is imported only when it is used.
 """
 
 from __future__ import annotations
@@ -17,163 +17,162 @@ if TYPE_CHECKING:
     from wmrgen.ir.nodes import Function, Module
 
 
-# A function, and its inputs by contract name; a tunable may be left out.
 CasadiFunction: TypeAlias = Any  # casadi.Function; casadi ships no types
 CasadiSymbol: TypeAlias = Any  # casadi.SX or casadi.MX
-Request = tuple[str, Mapping[str, float]]
+Request = tuple[
+    str, Mapping[str, float]
+]  # a function, and its inputs by contract name; tunables may be left out
 
 
 class Place(NamedTuple):
-    """A function in a generated ``file``: its line, and the lines of the quantities that it names."""
+    """The place of a function in a generated file."""
 
     file: str
     function: str
     line: int
-    quantities: tuple[tuple[str, int], ...]
+    quantities: tuple[tuple[str, int], ...]  # named quantities that the function computes, with their lines
 
 
 class VectorForm(NamedTuple):
-    """A ``function`` of the vectors x, u and p to the vector ``result``: the contract names of the entries of each;
-    it may do without some. ``others``: the same function in other operations, of which there may be fewer if
-    derivatives count. ``nominal``: the entries of p. ``bounds``: least and most of x, of u and of what `limits` gives,
-    in this order. ``name`` of what backends make of it."""
+    """A function of the vectors x, u and p, for optimisers."""
 
-    name: str
+    name: str  # of the function in generated code
     function: Function
-    vectors: tuple[tuple[str, ...], ...]
-    result: str
-    nominal: tuple[float, ...]
-    bounds: tuple[tuple[float, ...], ...]
-    others: tuple[Function, ...] = ()
+    vectors: tuple[tuple[str, ...], ...]  # contract names of the entries of x, u and p; some may be unused
+    result: str  # name of the resulting vector
+    nominal: tuple[float, ...]  # entries of p
+    bounds: tuple[tuple[float, ...], ...]  # lower and upper bounds of x, of u, and of the results of `limits`
+    others: tuple[
+        Function, ...
+    ] = ()  # the same function in other operations, which may have shorter derivatives
 
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """Facts for the banner of a generated file. Everything is plain text; backends escape it.
-
-    ``wheel_lines``: the wheel table, one finished line per wheel and note. ``model_hash``: hexadecimal digest of the
-    model. ``constants``: numbers of the robot file, each with its name, ``left.radius``, and what it is.
-    ``bound_lines``: what is proved of the code, for the backend whose code that is. ``site``: what the robot
-    file says about inputs. ``options``: what the user chose of what the backend takes. ``places``: where the code of
-    other backends computes what (for the report). ``vectors``: the model of the robot as x' = f(x, u, p), where it has
-    one, and what has to be 0 where it holds. ``written``: the functions as they were lowered, not optimised.
-    """
+    """Facts about a robot for its generated files. Texts are plain; backends escape them."""
 
     description: str = ""
-    wheel_lines: tuple[str, ...] = ()
-    model_hash: str = ""
+    wheel_lines: tuple[str, ...] = ()  # table of the wheels: a line for each wheel and each note
+    model_hash: str = ""  # hexadecimal digest of the model
     wmrgen_version: str = ""
-    sympy_version: str = ""
-    bound_lines: tuple[str, ...] = ()
-    constants: tuple[tuple[str, float, str], ...] = ()
-    site: Site = NO_SITE
-    options: Mapping[str, str | bool] = field(default_factory=dict)
-    places: tuple[Place, ...] = ()
-    vectors: tuple[VectorForm, ...] = ()
-    written: Module | None = None
+    sympy_version: str = ""  # no banner has it: a patch of sympy would change every generated file
+    bound_lines: tuple[str, ...] = ()  # proved bounds, for the backend whose code they are about
+    constants: tuple[
+        tuple[str, float, str], ...
+    ] = ()  # numbers of the robot file: name (left.radius), value, text
+    site: Site = NO_SITE  # what the robot file says about inputs
+    options: Mapping[str, str | bool] = field(
+        default_factory=dict
+    )  # options of the backend that the user chose
+    places: tuple[Place, ...] = ()  # functions in the code of other backends, for the report
+    vectors: tuple[
+        VectorForm, ...
+    ] = ()  # the model x' = f(x, u, p), and the constraints under which it holds
+    written: Module | None = None  # the functions before optimisation
 
 
 class Backend(Protocol):
-    """What the module of a backend offers; ``places(files)`` too, where readers may want lines of its code."""
+    """The functions of a backend's module. It may also have ``places(files)``, if the report refers to its code."""
 
     def emit(self, module: Module, facts: Facts) -> dict[str, bytes]:
-        """File name -> content, for every file of this backend."""
+        """Return the content of every file of this backend by name."""
 
     def evaluate(self, module: Module, requests: Sequence[Request], **options: str) -> list[dict[str, float]]:
-        """Outputs by contract name of each request."""
+        """Return the outputs of each request by contract name."""
 
 
 class Files(NamedTuple):
-    """Files of one purpose: their names, with ``{robot}`` in place and ``*`` for any function; ``what`` they are,
-    for the report (nothing: they are not listed)."""
+    """Files of one purpose."""
 
-    names: tuple[str, ...]
-    what: str = ""
+    names: tuple[str, ...]  # with {robot} for the name of the robot, and * for that of any function
+    what: str = ""  # text for the report; the report does not list files without a text
 
 
 class Entry(NamedTuple):
-    """A backend.
-
-    ``module`` is its import path; ``source`` the attribute of Derivation that it reads: ``module``, ``array_module``,
-    ``c_module``, or ``itself`` (a backend for readers). ``word``: what `wmrgen eval --backend` calls it; nothing where
-    it computes nothing. ``files``: what it writes. ``options``: of what
-    `derive` and `eval` let the user choose, the names that it takes; ``switches``: the same of `derive` alone.
-    ``proved``: the proofs are about its code, and it writes them down. ``package``: it writes only where
-    `derive --package` asks for it.
-    """
+    """A backend."""
 
     name: str
-    module: str
-    source: str
-    word: str = ""
+    module: str  # import path
+    source: str  # attribute of Derivation that it reads: module, array_module, c_module, or itself (for documents)
+    word: str = ""  # of `wmrgen eval --backend`; "" if it computes nothing
     files: tuple[Files, ...] = ()
-    options: tuple[str, ...] = ()
-    switches: tuple[str, ...] = ()
-    proved: bool = False
-    package: bool = False
+    options: tuple[str, ...] = ()  # options of `derive` and `eval` that it takes
+    switches: tuple[str, ...] = ()  # switches of `derive` that it takes
+    proved: bool = False  # whether bounds are proved for its code, and it prints them
+    package: bool = False  # whether it writes only for `derive --package`
 
     def load(self) -> Backend:
+        """Import the module of the backend."""
         return cast(Backend, import_module(self.module))
 
     def offers(self, name: str) -> Any:
-        """What this backend offers beyond the protocol, as ``functions`` of CasADi and NumPy; None where it does
-        not."""
+        """Return a function of the module that the protocol does not require; None if the module lacks it."""
         return getattr(self.load(), name, None)
 
     def evaluate(
         self, module: Module, requests: Sequence[Request], options: Mapping[str, str]
     ) -> list[dict[str, float]]:
-        """`Backend.evaluate` with those of the options that it takes, of each function and its variants: a backend
-        may give the residual in a function of its own, so that who does not need it does not pay. UsageError where
-        it has none of them."""
-        parts = {
-            name: [f.name for f in module.functions if (f.variant_of or f.name) == name]
-            for name, _ in requests
-        }
-        for name in (name for name, variants in parts.items() if not variants):
-            has = " ".join(f.name for f in module.functions)
-            raise UsageError(f"{self.word} has no function {name!r} of {module.name}. It has: {has}.")
+        """Return the outputs of each request by contract name, including outputs of the function's variants.
+
+        A function and its variants may give different outputs, for example the residual, so that a caller who does not
+        need an output does not pay for it.
+
+        Args:
+            module: The functions of the robot.
+            requests: Names of functions with their inputs.
+            options: Options of the user. The backend gets those that it takes.
+
+        Raises:
+            UsageError: The robot has no such function.
+        """
+        parts: dict[str, list[str]] = {}  # function -> names of the function and its variants
+        for name, _ in requests:
+            parts[name] = [f.name for f in module.functions if (f.variant_of or f.name) == name]
+            if not parts[name]:
+                has = " ".join(f.name for f in module.functions)
+                raise UsageError(f"{self.word} has no function {name!r} of {module.name}. It has: {has}.")
         chosen = {name: options[name] for name in self.options if name in options}
         every = [(part, case) for name, case in requests for part in parts[name]]
         answers = iter(self.load().evaluate(module, every, **chosen))
-        zeros = {
-            name: {key: 0.0 for f in module.functions if f.name in parts[name] for key in f.zeros}
-            for name in parts
-        }
-        return [
-            {key: x for _ in parts[name] for key, x in next(answers).items()} | zeros[name]
-            for name, _ in requests
-        ]
+        results = []
+        for name, _ in requests:
+            outputs: dict[str, float] = {}
+            for _ in parts[name]:
+                outputs |= next(answers)
+            for part in parts[name]:
+                outputs |= dict.fromkeys(module.function(part).zeros, 0.0)
+            results.append(outputs)
+        return results
 
 
 BACKENDS: dict[str, Entry] = {}
-EXACT_WORD = "exact"  # the word of `wmrgen eval --backend` for exact arithmetic, which is no backend
+EXACT_WORD = "exact"  # of `wmrgen eval --backend`: exact arithmetic, which is not a backend
 
 
 def register(entry: Entry) -> None:
-    """Add a backend. ValueError where its name, its word or a file of it is another's."""
+    """Add a backend. Raise ValueError if another backend has its name, its word or one of its files."""
     names = {name for files in entry.files for name in files.names}
     for other in BACKENDS.values():
         theirs = {name for files in other.files for name in files.names}
         if entry.name == other.name or (entry.word and entry.word == other.word) or names & theirs:
-            raise ValueError(f"backend {entry.name} has the name, a word or a file of backend {other.name}")
+            raise ValueError(f"backend {entry.name} has the name, the word or a file of backend {other.name}")
     if entry.word == EXACT_WORD:
-        raise ValueError(f"{EXACT_WORD} is the word of exact arithmetic")
+        raise ValueError(f"the word {EXACT_WORD} is reserved for exact arithmetic")
     BACKENDS[entry.name] = entry
 
 
 def unasked() -> list[Entry]:
-    """The backends that write without being asked for a package."""
+    """Return the backends whose files `derive` writes without `--package`."""
     return [entry for entry in BACKENDS.values() if not entry.package]
 
 
 def of_word(word: str) -> Entry | None:
-    """The backend that `wmrgen eval --backend` calls ``word``."""
+    """Return the backend with this word of `wmrgen eval --backend`; None if there is none."""
     return next((entry for entry in BACKENDS.values() if word and entry.word == word), None)
 
 
 def known_words() -> tuple[str, ...]:
-    """What `wmrgen eval --backend` knows."""
+    """Return all words of `wmrgen eval --backend`."""
     return (EXACT_WORD, *(entry.word for entry in BACKENDS.values() if entry.word))
 
 
@@ -182,25 +181,25 @@ for _entry in (
         "c99", "wmrgen.codegen.c", "c_module", "c",
         files=(
             Files(("{robot}.h", "{robot}.c"), "the functions in C99"),
-            Files(("{robot}_checked.h", "{robot}_checked.c"), "the same behind a check of their inputs"),
+            Files(("{robot}_checked.h", "{robot}_checked.c"), "the same functions with a check of their inputs"),
             Files(
                 ("test/{robot}_selftest.c",),
-                "test vectors with exact results, for the machine it is to run on",
+                "test vectors with exact results, to run on the target machine",
             ),
             Files(("test/{robot}_fuzz.c",)),
             Files(("{robot}_many.h", "{robot}_many.c")),
-            Files(("example/main.c",), "the loop from sensors to motors, on a figure that the robot can drive"),
+            Files(("example/main.c",), "a control loop from sensors to motors, on a figure that the robot can drive"),
         ),
         options=("scalar", "math", "target"), switches=("fuzz", "batch"), proved=True,
     ),
     Entry(
         "numpy", "wmrgen.codegen.arrays", "array_module", "numpy",
-        files=(Files(("{robot}.py",), "the functions for NumPy, JAX, PyTorch and CuPy, over arrays of samples"),),
+        files=(Files(("{robot}.py",), "the functions for arrays of NumPy, JAX, PyTorch and CuPy"),),
     ),
     Entry(
         "casadi", "wmrgen.codegen.casadi", "module", "casadi",
         files=(
-            Files(("{robot}_*.casadi",), "the functions for CasADi, the posture model `dynamics` among them"),
+            Files(("{robot}_*.casadi",), "the functions for CasADi, including the posture model `dynamics`"),
         ),
     ),
     Entry(
@@ -219,8 +218,8 @@ for _entry in (
         "report", "wmrgen.report.sections", "itself",
         files=(
             Files(("report.md",)),
-            Files(("numerics.md",), "costs, proved ranges and rounding errors, lines of the code"),
-            Files(("wiring.md",), "a check sheet for the bench: the sign of every joint for each motion"),
+            Files(("numerics.md",), "operation counts, proved ranges and rounding errors, lines of the code"),
+            Files(("wiring.md",), "a check sheet for commissioning: the sign of every joint for each motion"),
         ),
     ),
 ):  # fmt: skip

@@ -1,7 +1,7 @@
-"""Jinja2, in one place: turn a template folder and finished lines into text.
+"""Rendering of templates. Only this module uses Jinja2.
 
-Templates only loop over lines that are ready to print; they neither compute nor escape. To Python they are modules: it
-keeps what they are compiled to in ``__pycache__`` beside them, where it may write and is not told otherwise.
+Templates loop over finished lines; they neither compute nor escape. They are loaded as Python modules, so that Python
+caches their compiled code in ``__pycache__`` next to them, unless it must not write there.
 """
 
 from __future__ import annotations
@@ -19,25 +19,34 @@ from wmrgen.robotfile.shipped import shipped
 
 
 class _Source(SourceFileLoader):
-    """A template as Python's source of a module. It is compiled anew once it, Jinja or this file is another."""
+    """A template as a Python module. It is compiled again if the template, Jinja or this file has changed."""
 
     def source_to_code(self, data: Any, path: Any = "<template>", **_: Any) -> CodeType:  # type: ignore[override]
-        """The code of the text ``data``, in UTF-8."""
+        """Return the code of the template text ``data``, in UTF-8."""
         return _environment().compile(data.decode(), self.name, path)
 
     def path_stats(self, path: Any) -> Any:
-        """Size of the template and the time of the last change of what its code depends on."""
+        """Return the size of the template, and the latest change of the files on which its code depends."""
         stats = [super(_Source, self).path_stats(file) for file in (path, jinja2.__file__, __file__)]
         return {**stats[0], "mtime": max(each["mtime"] for each in stats)}
 
 
 class _Templates(BaseLoader):
-    """The templates that come with the package."""
+    """The templates of the package."""
 
     def load(
         self, environment: Environment, name: str, context: MutableMapping[str, Any] | None = None
     ) -> Template:
-        """The template ``name``. FileNotFoundError where there is none."""
+        """Return the template ``name``.
+
+        Args:
+            environment: Settings of Jinja.
+            name: File name below ``templates``.
+            context: Global variables.
+
+        Raises:
+            FileNotFoundError: There is no such template.
+        """
         code: Any = _Source(name, str(shipped("templates") / name)).get_code(name)
         return environment.template_class.from_code(environment, code, context or {})
 
@@ -47,7 +56,7 @@ def _environment() -> Environment:
     return Environment(
         loader=_Templates(),
         undefined=StrictUndefined,
-        autoescape=False,  # the targets are C, Python and Markdown: each backend escapes for its own
+        autoescape=False,  # each backend escapes for its language
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
@@ -56,5 +65,5 @@ def _environment() -> Environment:
 
 
 def render(template: str, **context: object) -> str:
-    """The text of ``template`` (``c99/header.h.j2``) with ``context``. An undefined name is an error."""
+    """Return the text of ``template`` (``c99/header.h.j2``) with the variables ``context``; all must be defined."""
     return _environment().get_template(template).render(**context)

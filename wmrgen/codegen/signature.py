@@ -1,18 +1,20 @@
-"""How a robot's functions look from outside, in any language with structs: which arguments each has.
+"""The arguments of a robot's functions, for every language that has structs.
 
-A port is found by its contract name in one of the types that all functions of a robot share:
+All functions of a robot share these types:
 
     pose              x y theta                       twist              vx vy omega
     pose_covariance   xx xy xtheta yy ytheta thetatheta
     twist_covariance  vxvx vxvy vxomega vyvy vyomega omegaomega
     wheels            <wheel>.spin, .steer, .steer_rate of the joints that are commanded or sensed
 
-and with one of `SUFFIXES` behind (``vx_wanted``, ``left.steer_wanted``) in another variable of that type. What is in
-none of them is a scalar of its own; where there are more than `FEW`, or a wheel's, they are a struct of that function
-alone.
+A port belongs to a type if the type has a member of that name and unit. A name with a suffix of `SUFFIXES`
+(``vx_wanted``, ``left.steer_wanted``) is a member of another variable of the type. Each other port is a scalar
+argument. If there are more than `MOST_SCALARS` such ports, or if one of them belongs to a wheel, they form a struct
+that only this function has.
 
-A variable that is read and written under the same names is changed in place: pose and covariances always, twist and
-wheels where the function is declared so (`Function.in_place`). All others may be one variable, too.
+A variable that a function reads and writes is one argument, which is changed in place: always for poses and their
+covariances, and for twists and wheels if `Function.in_place` says so. All other inputs and outputs are separate
+arguments, for which a caller may still pass the same variable.
 """
 
 from __future__ import annotations
@@ -22,12 +24,13 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from wmrgen.geometry.ports import JOINTS, POSE, POSE_COVARIANCE, TIMES, TWIST, TWIST_COVARIANCE, Port
-from wmrgen.ir.nodes import Function, Module, contract
+from wmrgen.ir.nodes import Function, Module, Role, contract
 
 SUFFIXES = (*TIMES, "rest", "step")
-FEW = 4
+MOST_SCALARS = 4  # arguments: a call with more of them in a row is easy to get wrong
 WHEELS = "wheels"
-IN, OUT = "in", "out"  # the types of what one function alone takes and gives
+IN, OUT = "in", "out"  # structs that only one function has: its inputs, its outputs
+PARAMS, PREPARED = "params", "prepared"  # the tunable parameters, and the results of `prepare`
 
 
 TYPES = {
@@ -40,21 +43,27 @@ _ALWAYS_IN_PLACE = ("pose", "pose_covariance")
 
 
 class Argument(NamedTuple):
-    """An argument of a function. ``kind``: a shared type, `IN`, `OUT`, or nothing where it is a scalar.
-
-    ``reads`` and ``writes``: contract name of a port -> the contract name of the member that it is, of a shared type
-    without the suffix.
-    """
+    """An argument of a function."""
 
     name: str
-    kind: str
-    reads: Mapping[str, str]
-    writes: Mapping[str, str]
+    kind: str  # a shared type, IN, OUT, PARAMS or PREPARED; "" for a scalar
+    reads: Mapping[str, str]  # contract name of a port -> contract name of the member, without a suffix
+    writes: Mapping[str, str]  # the same for outputs
 
     @property
     def by_value(self) -> bool:
-        """It is a scalar that is read."""
+        """Whether it is a scalar input."""
         return not self.kind and not self.writes
+
+
+class Signature(NamedTuple):
+    """A function with its arguments, in the order in which they are declared."""
+
+    function: Function
+    arguments: tuple[Argument, ...]
+    own_types: Mapping[
+        str, tuple[Port, ...]
+    ]  # kind -> members of the structs that are declared for this function
 
 
 class _Place(NamedTuple):
@@ -64,7 +73,7 @@ class _Place(NamedTuple):
 
 
 def members(module: Module) -> dict[str, tuple[Port, ...]]:
-    """The shared types that functions of ``module`` take or give, with their members; none where it is no robot's."""
+    """Return the shared types that functions of ``module`` use, with their members; none if it has no robot."""
     if module.joints is None:
         return {}
     ports = (port for f in module.functions for port in (*contract(f), *f.outputs))
@@ -73,12 +82,47 @@ def members(module: Module) -> dict[str, tuple[Port, ...]]:
     return {name: own for name, own in types.items() if name in used or (name == WHEELS and own)}
 
 
+def signatures(module: Module) -> tuple[Signature, ...]:
+    """Return the signatures of `prepare`, if it has outputs, and of every function that has outputs."""
+    found = []
+    if module.prepare is not None and module.prepare.outputs:
+        found.append(_signature_of_prepare(module.prepare))
+    for function in module.functions:
+        if function.outputs:
+            found.append(_signature(function, module.joints))
+    return tuple(found)
+
+
+def _signature_of_prepare(prepare: Function) -> Signature:
+    reads = {port.name: port.name for port in prepare.inputs}
+    writes = {port.name: port.name for port in prepare.outputs}
+    prepared = Argument(PREPARED, PREPARED, {}, writes)
+    if not reads:
+        return Signature(prepare, (prepared,), {PREPARED: prepare.outputs})
+    params = Argument(PARAMS, PARAMS, reads, {})
+    return Signature(prepare, (params, prepared), {PARAMS: prepare.inputs, PREPARED: prepare.outputs})
+
+
+def _signature(function: Function, joints: Sequence[str] | None) -> Signature:
+    passed = arguments(function, joints)
+    own_types = {}
+    for argument in passed:
+        if argument.kind in (IN, OUT):
+            ports = function.inputs if argument.kind == IN else function.outputs
+            names = argument.reads if argument.kind == IN else argument.writes
+            own_types[argument.kind] = tuple(port for port in ports if port.name in names)
+    prepared = {port.name: port.name for port in function.inputs if port.role is Role.PREPARED}
+    if prepared:
+        passed = (Argument(PREPARED, PREPARED, prepared, {}), *passed)
+    return Signature(function, passed, own_types)
+
+
 def _joint(name: str) -> Port:
     return replace(JOINTS[name.rpartition(".")[2]], name=name)
 
 
 def _place(port: Port, joints: Sequence[str]) -> _Place | None:
-    """Where ``port`` is a member of a shared type; its unit must be the member's, too."""
+    """Return the member of a shared type that ``port`` is; None if there is no member of its name and unit."""
     for suffix in ("", *SUFFIXES):
         name = port.name.removesuffix(f"_{suffix}") if suffix else port.name
         if suffix and name == port.name:
@@ -92,44 +136,54 @@ def _place(port: Port, joints: Sequence[str]) -> _Place | None:
 
 
 def arguments(function: Function, joints: Sequence[str] | None) -> tuple[Argument, ...]:
-    """The arguments of ``function`` in order: what is changed in place, inputs, scalars, outputs.
+    """Return the arguments of ``function``, without what it reads of `prepare`.
 
-    ``joints``: the contract names of those that the type `WHEELS` has; None where the function is no robot's, and has
-    all its inputs in one struct, and all its outputs.
+    Args:
+        function: A function of a robot. joints: Contract names of the members of the type `WHEELS`. None if the
+        function belongs to no robot: it then has
+            one struct of inputs and one of outputs.
+
+    Returns:
+        The arguments in this order: variables that are changed in place, inputs of shared types, scalar inputs,
+        outputs.
     """
     inputs, outputs = contract(function), function.outputs
     if joints is None:
         return _own(inputs, IN, 0, set()) + _own(outputs, OUT, 0, set())
-    reads, other_inputs = _sorted(inputs, joints)
-    writes, other_outputs = _sorted(outputs, joints)
+    reads, other_inputs = _by_variable(inputs, joints)
+    writes, other_outputs = _by_variable(outputs, joints)
     names: set[str] = set()
     both = {
         (kind, suffix)
         for kind, suffix in reads.keys() & writes.keys()
         if kind in _ALWAYS_IN_PLACE or (function.in_place and not suffix)
     }
-    changed = [
-        Argument(_unique(suffix or kind, kind, names), kind, reads[kind, suffix], writes[kind, suffix])
-        for kind, suffix in _in_order(both)
-    ]
+    changed = []
+    for key in _in_order(both):
+        kind, suffix = key
+        changed.append(Argument(_unique(suffix or kind, kind, names), kind, reads[key], writes[key]))
     commands = (WHEELS, "") in writes.keys() - both
-    read = [
-        Argument(_unique(_input_name(*key, commands), key[0], names), key[0], reads[key], {})
-        for key in _in_order(reads.keys() - both)
-    ]
-    scalars = _own(other_inputs, IN, FEW, names)
-    written = [
-        Argument(_unique(_output_name(*key, key in reads), key[0], names), key[0], {}, writes[key])
-        for key in _in_order(writes.keys() - both)
-    ]
-    return (*changed, *read, *scalars, *written, *_own(other_outputs, OUT, FEW, names))
+    read = []
+    for key in _in_order(reads.keys() - both):
+        kind, suffix = key
+        name = _unique(_input_name(kind, suffix, commands), kind, names)
+        read.append(Argument(name, kind, reads[key], {}))
+    scalars = _own(other_inputs, IN, MOST_SCALARS, names)
+    written = []
+    for key in _in_order(writes.keys() - both):
+        kind, suffix = key
+        name = _unique(_output_name(kind, suffix, key in reads), kind, names)
+        written.append(Argument(name, kind, {}, writes[key]))
+    return (*changed, *read, *scalars, *written, *_own(other_outputs, OUT, MOST_SCALARS, names))
 
 
 _Key = tuple[str, str]  # kind, suffix
 
 
-def _sorted(ports: Iterable[Port], joints: Sequence[str]) -> tuple[dict[_Key, dict[str, str]], list[Port]]:
-    """Variable of a shared type -> its ports and the members that they are; and the ports that are in none."""
+def _by_variable(
+    ports: Iterable[Port], joints: Sequence[str]
+) -> tuple[dict[_Key, dict[str, str]], list[Port]]:
+    """Return the ports of each variable of a shared type, with the members that they are, and the other ports."""
     variables: dict[_Key, dict[str, str]] = {}
     others: list[Port] = []
     for port in ports:
@@ -147,7 +201,7 @@ def _in_order(keys: Iterable[_Key]) -> Iterator[_Key]:
 
 
 def _input_name(kind: str, suffix: str, commands: bool) -> str:
-    """Wheels as they stand are ``now`` where the function commands others."""
+    """Return the name of an input. Present wheels are called ``now`` if the function also commands wheels."""
     return suffix or ("now" if kind == WHEELS and commands else kind)
 
 
@@ -156,18 +210,18 @@ def _output_name(kind: str, suffix: str, read: bool) -> str:
 
 
 def _unique(name: str, kind: str, names: set[str]) -> str:
-    """``name``, with the type where an argument is called so already."""
+    """Add ``name`` to ``names`` and return it; if it is taken, append the type."""
     if name in names:
         name = f"{name}_{kind}"
     names.add(name)
     return name
 
 
-def _own(ports: Sequence[Port], kind: str, few: int, names: set[str]) -> tuple[Argument, ...]:
-    """Up to ``few`` scalars that are no wheel's, or one struct."""
+def _own(ports: Sequence[Port], kind: str, most: int, names: set[str]) -> tuple[Argument, ...]:
+    """Return ``ports`` as scalar arguments, or as one struct if there are more than ``most`` or one is a wheel's."""
     if not ports:
         return ()
-    if len(ports) <= few and not any("." in port.name or port.name in names for port in ports):
+    if len(ports) <= most and not any("." in port.name or port.name in names for port in ports):
         return tuple(_scalar(port.name, kind) for port in ports)
     own = {port.name: port.name for port in ports}
     name = kind if kind not in names else f"more_{kind}"

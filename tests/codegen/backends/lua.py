@@ -1,4 +1,4 @@
-"""A backend for Lua as somebody outside wmrgen would write it: one module, registered by one entry."""
+"""A backend for Lua, written outside the package: one module, registered by one entry."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
 
 
 def places(files: Mapping[str, bytes]) -> tuple[Place, ...]:
-    """Where the functions begin."""
+    """Return the lines on which functions begin."""
     ((name, content),) = files.items()
     return tuple(
         Place(name, line.split(".")[1].split("(")[0], number, ())
@@ -99,7 +99,7 @@ def places(files: Mapping[str, bytes]) -> tuple[Place, ...]:
 
 
 class _Math:
-    """What Lua's library has; `math.atan` takes one argument or two."""
+    """Lua's library; `math.atan` takes one argument or two."""
 
     abs, sqrt, sin, cos, floor, min, max = abs, math.sqrt, math.sin, math.cos, math.floor, min, max
 
@@ -109,8 +109,8 @@ class _Math:
 
 
 def evaluate(module: Module, requests: Sequence[Request], scalar: str = "float") -> list[dict[str, float]]:
-    """By running the printed text: of the operators in it, Lua and Python share the meaning."""
-    assert scalar in ("float", "double")  # the option that the entry asks for arrives
+    """Run the printed text with Python, which has the same operators."""
+    assert scalar in ("float", "double")  # the option of the entry is passed on
     functions = {function.name: function for function in self_contained(module)}
     outputs = []
     for function, case in requests:

@@ -1,4 +1,4 @@
-"""Small modules built by hand: what every backend is tried on before any robot is derived."""
+"""Small modules, built by hand: tests of every backend that need no robot."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def mecanum() -> Module:
 
 
 def _swerve(b: Builder, wheel: str, x: Fraction, y: Fraction) -> tuple[int, int]:
-    """(steer, spin): direction and speed of the pivot; the present angle where the pivot stands."""
+    """(steer, spin): direction and speed of the pivot; the present angle if the pivot does not move."""
     vx, vy, omega = b.input("vx"), b.input("vy"), b.input("omega")
     px = b.sub(vx, b.mul(b.const(y), omega))
     py = b.add(vy, b.mul(b.const(x), omega))
@@ -56,7 +56,7 @@ def _swerve(b: Builder, wheel: str, x: Fraction, y: Fraction) -> tuple[int, int]
 
 
 def swerve() -> Module:
-    """sqrt, atan2 and select, with every derivative undefined at standstill."""
+    """A function with sqrt, atan2 and select, whose derivatives are all undefined at standstill."""
     b = Builder()
     a = _swerve(b, "a", Fraction(1, 4), Fraction(1, 5))
     c = _swerve(b, "c", Fraction(-1, 4), Fraction(-1, 5))
@@ -65,7 +65,7 @@ def swerve() -> Module:
 
 
 def tunable() -> Module:
-    """`prepare` inverts the radius; the step reads that, the radius itself, sin, cos, min, max and abs."""
+    """A function that reads a prepared number, the radius, sin, cos, min, max and abs."""
     p = Builder()
     prepare = p.function(
         "prepare", (RADIUS,), (Port("k0", Role.PREPARED, "1/m"),), (p.div(p.const(1), p.input("radius")),)
@@ -84,7 +84,7 @@ def tunable() -> Module:
 
 
 def empty() -> Function:
-    """No outputs at all: nothing to print in C."""
+    """A function without outputs, which C does not print."""
     return Function("forward", TWIST, (), (), ())
 
 

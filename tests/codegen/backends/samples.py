@@ -10,7 +10,7 @@ _RANGE = {"m": 2.0, "m/s": 2.0, "rad": 3.2, "rad/s": 4.0, "s": 0.2}
 
 
 def input_names(module: Module, function: Function) -> list[str]:
-    """Contract inputs, then the tunables that the function sees directly or through `prepare`."""
+    """Return the inputs that a caller sets, then the tunable parameters, also those that only `prepare` reads."""
     names = [port.name for port in function.inputs if port.role is not Role.PREPARED]
     if module.prepare and any(port.role is Role.PREPARED for port in function.inputs):
         names += [port.name for port in module.prepare.inputs if port.name not in names]

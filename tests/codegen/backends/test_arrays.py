@@ -1,4 +1,4 @@
-"""The array module: one text for NumPy, array-api-strict, JAX and PyTorch, and the same functions without a file."""
+"""The array module for NumPy, array-api-strict, JAX and PyTorch, and the same functions without a file."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def imported(module: Module, folder: Path, facts: Facts = FACTS) -> ModuleType:
 
 
 def same(module: Module, folder: Path) -> None:
-    """File and callables agree bit for bit on columns, and no guard warns."""
+    """File and callables give the same bits for arrays, and no guard produces a warning."""
     file, direct = imported(module, folder), functions(module)
     for function in module.functions:
         cases = samples(module, function, 5)
@@ -129,7 +129,7 @@ def agree(found: dict[str, Any], expectation: Columns, tolerance: float = 1e-12)
 
 @pytest.mark.parametrize("name", FEW)
 def test_numpy_and_strict_arrays(name: str, tmp_path: Path) -> None:
-    """The file uses what the array API standard has, and nothing more."""
+    """The file uses only functions of the array API standard."""
     strict = pytest.importorskip("array_api_strict")
     for _, function, arguments, expectation in tried(of_gallery(name).array_module, tmp_path):
         agree(function(**arguments), expectation)
@@ -145,7 +145,7 @@ def jax() -> Any:
 
 @pytest.mark.parametrize("name", UNDER_JAX)
 def test_jax(name: str, tmp_path: Path, jax: Any) -> None:
-    """Functions can be compiled and mapped; derivatives are finite in float32, at standstill too."""
+    """Functions can be compiled and mapped; derivatives are finite in float32, also at standstill."""
     for function, call, arguments, expectation in tried(of_gallery(name).array_module, tmp_path):
         usual = function.name in ("inverse", "forward", "odometry")
         if not usual and not (DEEP and name == "pioneer3dx"):
@@ -167,7 +167,7 @@ def test_jax(name: str, tmp_path: Path, jax: Any) -> None:
 @pytest.mark.parametrize("name", UNDER_JAX)
 @pytest.mark.parametrize("function", ["inverse", "forward", "odometry"])
 def test_derivatives_are_slopes(name: str, function: str, tmp_path: Path, jax: Any) -> None:
-    """Central differences away from standstill and from jumps of a steering angle."""
+    """Derivatives equal central differences away from standstill and from jumps of a steering angle."""
     module = of_gallery(name).array_module
     call, arguments = next((c, a) for f, c, a, _ in tried(module, tmp_path) if f.name == function)
     at = {key: float(column[-1]) for key, column in arguments.items()}
@@ -183,7 +183,7 @@ def test_derivatives_are_slopes(name: str, function: str, tmp_path: Path, jax: A
 
 
 def test_derivative_of_a_step_at_rest(tmp_path: Path, jax: Any) -> None:
-    """Where omega is 0 the pose depends on it as on an arc."""
+    """At omega = 0 the pose has the derivative of an arc."""
     odometry = imported(of_gallery("pioneer3dx").array_module, tmp_path).odometry
     pose = {"x": 0.0, "y": 0.0, "theta": 0.0, "vx": 2.0, "vy": 0.0, "dt": 0.5}
     slope = jax.jacfwd(lambda omega: odometry(**pose, omega=omega))(0.0)
@@ -199,7 +199,7 @@ def test_vectors_under_jax(tmp_path: Path, jax: Any) -> None:
     for found in (file.ode(x, u), jax.jit(file.ode)(x, u), jax.vmap(lambda each: file.ode(each, u))(x)):
         np.testing.assert_allclose(found, expectation, rtol=1e-12)
     assert np.isfinite(jax.jacrev(file.ode)(x[0], u)).all()
-    with pytest.raises(ValueError, match=r"not \(\.\.\., 3\)"):
+    with pytest.raises(ValueError, match=r"\b2\b.*\b3\b"):
         file.ode(x[:, :2], u)
 
 
@@ -245,7 +245,7 @@ def test_results_are_no_views(tmp_path: Path) -> None:
 
 
 def test_shapes_that_do_not_broadcast(alone: Callable[..., Any]) -> None:
-    with pytest.raises(ValueError, match="broadcast"):
+    with pytest.raises(ValueError, match=r"\(2,\),? \(3,\)"):
         alone(np.ones(2), np.ones(3))
 
 

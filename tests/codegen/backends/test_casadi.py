@@ -1,4 +1,4 @@
-"""CasADi functions: names, files that need no wmrgen, Jacobians without NaN."""
+"""CasADi functions: names, files that can be loaded without wmrgen, Jacobians without NaN."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_gallery(robot: str) -> None:
 
 
 def test_columns_are_computed_as_one_by_one() -> None:
-    """In blocks, of which the last has as many as are left."""
+    """Columns are computed in blocks, and the last block is smaller."""
     x = casadi.SX.sym("x", 2)
     function = OfColumns(casadi.Function("f", [x], [casadi.vertcat(x[0] / x[1], casadi.sin(x[0]), x[1])]))
     for count in (1, 5, 4096, 4099):

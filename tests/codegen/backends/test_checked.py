@@ -1,4 +1,4 @@
-"""What checked functions accept of each input, and what their outputs are where they accept nothing."""
+"""Accepted ranges of the inputs of checked functions, and their safe outputs."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_without_limits_an_input_has_to_give_finite_results() -> None:
 
 
 def test_commands_keep_their_limits_and_what_is_measured_may_overshoot() -> None:
-    """A joint by a quarter of the way from the middle of its limits, a twist as far as `forward` gives it."""
+    """A joint may exceed its limits by a quarter of their half width, a twist may be any result of `forward`."""
     joints = {"a.steer": (-0.3, 0.7), "a.spin": (1.0, 11.0)}
     assert OVERSHOOT == 1.25
     for scalar in ("float", "double"):
@@ -67,7 +67,7 @@ def test_commands_keep_their_limits_and_what_is_measured_may_overshoot() -> None
         assert (commanded["vx"], commanded["omega"]) == (SITE.limits["vx"], SITE.limits["omega"])
         assert measured["vx"] == pytest.approx(SITE.reach["vx"], rel=1e-6)
         assert measured["omega"] == (-200.0 if scalar == "float" else -500.0, 1.25), (
-            "and of a size that is believed"
+            "and within the size of inputs without limits"
         )
         assert commanded["dt"] == measured["dt"] and commanded["theta"][1] >= 1e4
 

@@ -1,4 +1,4 @@
-"""What every registered backend that computes owes: same numbers, same bytes, contract names."""
+"""The contract of every backend that computes: same numbers, same bytes, contract names."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from wmrgen.ir.nodes import Module
 FACTS = Facts("a robot", ("left: fixed",), "0123456789abcdef", "0.1.0", "1.14.0")
 CODE = tuple(
     name for name, entry in BACKENDS.items() if entry.source != "itself"
-)  # the others are to be read
+)  # the other backends write documents
 COMPILERS = {"rust": "rustc", "javascript": "node"}
 TOLERANCE = {"c99": 2e-6, "rust": 2e-6}  # single precision
 
 
 def backend(name: str) -> Backend:
-    """The backend, where the compiler is here that its language takes."""
+    """Return the backend; skip the test if its compiler is missing."""
     if name in COMPILERS:
         need(COMPILERS[name])
     return BACKENDS[name].load()
@@ -63,6 +63,6 @@ def test_a_missing_input_is_named(name: str) -> None:
 def test_same_bytes_twice(name: str, module: Module) -> None:
     files = BACKENDS[name].load().emit(module, FACTS)
     assert files == BACKENDS[name].load().emit(module, FACTS)
-    # Files of a package are called as an ecosystem wants it.
+    # The ecosystem decides the names of files in a package.
     assert BACKENDS[name].package or all(PurePosixPath(file).name.startswith(module.name) for file in files)
     assert all(content for content in files.values())

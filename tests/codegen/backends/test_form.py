@@ -1,4 +1,4 @@
-"""What holds of any text that a backend writes, without a compiler: signs, lines, brackets, comparisons."""
+"""Properties of the text of all backends that need no compiler: characters, lines, brackets, comparisons."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tests.robots import of_gallery
 from wmrgen.codegen.registry import BACKENDS
 from wmrgen.derivation.emit import site
 
-# Comments and strings by the ending of a file; nothing is looked for in them.
+# Comments and strings by the suffix of a file; they are not searched.
 C = r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"'
 NOT_CODE = {
     ".c": C,
@@ -29,7 +29,7 @@ ROBOTS = ("pioneer3dx", "ackermann_car", "wpilib_swervebot")
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("name", CODE)
 def test_text_is_well_formed(name: str, robot: str) -> None:
-    """Printable lines without spaces at their ends, brackets that match, and no value compared with itself."""
+    """Lines are printable without trailing spaces, brackets match, and no value is compared with itself."""
     entry, derivation = BACKENDS[name], of_gallery(robot)
     facts = replace(FACTS, site=site(derivation), options=dict.fromkeys(entry.switches, True))
     for file, content in entry.load().emit(getattr(derivation, entry.source), facts).items():

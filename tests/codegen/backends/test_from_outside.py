@@ -1,4 +1,4 @@
-"""A backend for another language is one module and one entry, from outside the package, with nothing inside touched."""
+"""A backend for another language needs one module and one entry, and no change to the package."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ROBOTS = ("pioneer3dx", "ackermann_car", "wpilib_swervebot", "kuka_youbot")
 
 @pytest.fixture
 def lua() -> Iterator[None]:
-    """The backend, registered."""
+    """Register the backend."""
     register(ENTRY)
     yield
     del BACKENDS[ENTRY.name]
@@ -73,7 +73,7 @@ def test_eval_computes_with_it(wmrgen_cli: Cli, tmp_path: Path, name: str, funct
         assert mine == pytest.approx(right, rel=1e-12, abs=1e-12)
 
 
-def test_its_words_are_reserved_while_it_is_there(
+def test_its_words_are_reserved_while_it_is_registered(
     wmrgen_cli: Cli, robot_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot_file.write_text(robot_file.read_text().replace("name: left", "name: end"))
@@ -83,17 +83,15 @@ def test_its_words_are_reserved_while_it_is_there(
         patch.setitem(LANGUAGES, ENTRY.name, (RESERVED,))
         done = wmrgen_cli(*words)
     assert done.code == 2
-    assert "the wheel name 'end' is reserved" in done.err and "Lua keeps that word for itself." in done.err
+    assert "'end'" in done.err and "Lua" in done.err
     assert wmrgen_cli(*words).code == 0
 
 
 def test_an_unknown_word_lists_the_backends(wmrgen_cli: Cli, robot_file: Path) -> None:
     done = wmrgen_cli("eval", robot_file, "inverse", "--backend", "lua")
     assert (done.code, done.out) == (2, "")
-    assert (
-        done.err
-        == "error[WMR112]: there is no backend 'lua'. There are: exact c numpy casadi rust javascript.\n"
-    )
+    assert done.err.startswith("error[WMR112]: ") and "'lua'" in done.err
+    assert done.err.rstrip(".\n").endswith(" exact c numpy casadi rust javascript")
 
 
 @pytest.mark.parametrize(
@@ -105,14 +103,14 @@ def test_an_unknown_word_lists_the_backends(wmrgen_cli: Cli, robot_file: Path) -
         Entry("other", "other", "module", "other", files=ENTRY.files + BACKENDS["numpy"].files),
     ],
 )
-def test_what_is_taken_is_refused(entry: Entry) -> None:
-    with pytest.raises(ValueError, match=r"a word or a file|the word of exact"):
+def test_a_name_or_file_that_is_taken_is_rejected(entry: Entry) -> None:
+    with pytest.raises(ValueError, match=r"\b(c99|numpy|exact)\b"):
         register(entry)
     assert "other" not in BACKENDS and BACKENDS["c99"].word == "c"
 
 
 @pytest.mark.parametrize("name", ["wpilib_swervebot", "pioneer3dx"])
-def test_entries_say_what_their_backends_write(name: str) -> None:
+def test_entries_list_the_files_of_their_backends(name: str) -> None:
     folder = ROOT / "generated" / name
     files = [p for p in folder.rglob("*") if p.is_file() and p.parent.name != "__pycache__"]  # of an import
     written = {p.relative_to(folder).as_posix() for p in files}

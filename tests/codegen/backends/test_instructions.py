@@ -1,7 +1,7 @@
-"""CasADi functions take no more instructions than what a user types from contact physics and `ca.solve`.
+"""CasADi functions take no more instructions than hand-written ones from contact physics and `ca.solve`.
 
-All families of layouts, with everything tunable and with nothing tunable, the functions and their Jacobians. They give
-the same values.
+This holds for all families of layouts, with all parameters tunable and with none, for functions and their Jacobians.
+Both give the same values.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def both(layout: Layout, tunable: bool, name: str) -> tuple[ca.Function, ca.Func
 
 @pytest.mark.parametrize(("layout", "tunable", "name"), EVERY)
 def test_both_compute_the_same(layout: str, tunable: bool, name: str) -> None:
-    """Contact physics is the oracle, at parameters that are not nominal, too."""
+    """Functions equal contact physics, also for parameters that are not nominal."""
     ours, theirs = both(NAMES[layout], tunable, name)
     random = np.random.default_rng(7)
     for off in (0.0, 0.1, 0.1):
@@ -66,7 +66,7 @@ def test_forward_with_everything_tunable_takes_no_more_either(layout: str) -> No
         assert own <= most
 
 
-# ---- models of the gallery, typed as a specialist types them
+# ---- models of the gallery, as a specialist writes them by hand
 
 
 def _tricycle(x: ca.SX, u: ca.SX) -> list[ca.SX]:

@@ -1,4 +1,4 @@
-"""Which arguments functions have: shared types by names of ports, what changes in place, what may be one variable."""
+"""Arguments of functions: shared types by names of ports, changes in place, one variable for input and output."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ from tests.ir.selftest.every import NAMES
 from tests.robots import of_gallery
 from wmrgen.codegen.c import sources
 from wmrgen.codegen.c.emit import unit
-from wmrgen.codegen.c.records import Step, of
+from wmrgen.codegen.c.functions import call
 from wmrgen.codegen.compiler import compile_program, run_program
 from wmrgen.codegen.signature import arguments, members
+from wmrgen.codegen.unit import Step, place_of
 from wmrgen.geometry.ports import JOINTS, POSE, TWIST, output
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Module, Port, Role
@@ -46,7 +47,7 @@ def test_prototypes(robot: str) -> None:
         assert prototype in header
 
 
-def test_what_is_passive_is_no_member() -> None:
+def test_passive_joints_are_not_members() -> None:
     assert of_gallery("pioneer3dx").c_module.joints == SPINS
     car = of_gallery("ackermann_car").c_module.joints
     assert car == ("rear_left.spin", "rear_right.spin", "front_left.steer", "front_right.steer")
@@ -56,7 +57,7 @@ def test_what_is_passive_is_no_member() -> None:
 def function(
     inputs: tuple[Port, ...], outputs: tuple[Port, ...], results: tuple[str, ...] = (), in_place: bool = False
 ) -> Function:
-    """Hands each input through, or those called ``results``."""
+    """Return a function that returns its inputs, or the inputs ``results``."""
     b = Builder()
     read = {port.name: b.input(port.name) for port in inputs}
     names = results or tuple(port.name for port in inputs)[: len(outputs)]
@@ -69,7 +70,7 @@ def joint(name: str, role: Role = Role.COMMAND) -> Port:
 
 
 def signature(f: Function, joints: tuple[str, ...] | None = SPINS) -> list[str]:
-    """name:type, with < where it is read and > where it is written."""
+    """Return name:type of each argument, with < if it is read and > if it is written."""
     return [f"{a.name}:{a.kind}{'<' * bool(a.reads)}{'>' * bool(a.writes)}" for a in arguments(f, joints)]
 
 
@@ -91,7 +92,7 @@ LEFT, RIGHT = (joint(name) for name in SPINS)
         ((LEFT, replace(LEFT, name="left.spin_now")), (RIGHT,), False,
          ["now:wheels<", "now_wheels:wheels<", "out:wheels>"]),
         ((POSE[2],), (replace(POSE[0], name="x_step"),), False, ["pose:pose<", "step:pose>"]),
-        # Another unit, a wheel that is no member, and many: no shared types.
+        # Another unit, a wheel that is not a member, and many scalars: no shared types.
         ((replace(TWIST[0], unit=""),), (SLIP,), False, ["vx:<", "slip:>"]),
         ((joint("tail.spin"),), (joint("tail.steer"),), False, ["in:in<", "out:out>"]),
         (tuple(Port(f"q{k}", Role.COMMAND, "") for k in range(5)), (SLIP,), False, ["in:in<", "slip:>"]),
@@ -114,7 +115,7 @@ def test_without_a_robot_there_are_no_shared_types() -> None:
 @pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 @pytest.mark.parametrize("in_place", [True, False])
 def test_nothing_is_read_after_it_was_overwritten(in_place: bool, tmp_path: Path) -> None:
-    """Both speeds change places, in one variable."""
+    """The function swaps two speeds of one variable."""
     swapped = function((LEFT, RIGHT), (LEFT, RIGHT), ("right.spin", "left.spin"), in_place)
     module = Module("tried", (swapped,), joints=SPINS)
     for name, text in zip(("tried.h", "tried.c"), sources(module), strict=True):
@@ -127,7 +128,7 @@ def test_nothing_is_read_after_it_was_overwritten(in_place: bool, tmp_path: Path
 
 
 def one_variable(step: Step, robot: str) -> str:
-    """A C function that calls ``step`` with separate variables and with one, and counts what differs."""
+    """Return a C function that calls ``step`` with separate variables and with one, and counts different results."""
     pairs = [
         (i.name, o.name)
         for o in step.parameters
@@ -140,9 +141,11 @@ def one_variable(step: Step, robot: str) -> str:
     for given, result in pairs:
         lines += [f"    memset(&{result}, 0, sizeof {result});"]
         lines += [f"    {place} = any();" for place in step.inputs.values()]
-        lines += [f"    {step.call()};", f"    {step.call({result: given})};"]
+        lines += [f"    {call(step)};", f"    {call(step, {result: given})};"]
         out = next(p for p in step.parameters if p.name == result)
-        lines += [f"    wrong += differ({of(given, m)}, {of(result, m)});" for m in out.writes.values()]
+        lines += [
+            f"    wrong += differ({place_of(given, m)}, {place_of(result, m)});" for m in out.writes.values()
+        ]
     return "\n".join([*lines, "    return wrong;", "}"]) if pairs else ""
 
 
@@ -151,7 +154,7 @@ def one_variable(step: Step, robot: str) -> str:
 def test_inputs_and_outputs_may_be_one_variable(robot: str, tmp_path: Path) -> None:
     module = of_gallery(robot).c_module
     if module.prepare is not None:
-        return  # what prepare gives is no output of a step
+        return  # results of prepare are no outputs of a step
     for name, text in zip((f"{robot}.h", f"{robot}.c"), sources(module), strict=True):
         (tmp_path / name).write_text(text)
     checks = {s.name: text for s in unit(module).contract.values() if (text := one_variable(s, robot))}

@@ -1,4 +1,4 @@
-"""The crate as Rust's tools see it, and what only Rust says. Its bits: `test_rust_bits.py`."""
+"""The crate and Rust's tools, and texts that only Rust has. For its bits see `test_rust_bits.py`."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ FLOAT = Choice()
 
 @pytest.fixture
 def crate(tmp_path: Path) -> Path:
-    """The crate of a robot with tunable parameters, kernels and functions that change what they are handed."""
+    """Write the crate of a robot with tunable parameters, kernels, and functions that change their arguments."""
     module = of_gallery("pioneer3dx").c_module
     for name, content in BACKENDS["rust"].load().emit(module, FACTS).items():
         path = tmp_path / name
@@ -44,13 +44,13 @@ def crate(tmp_path: Path) -> Path:
 
 
 FACTS = Facts(
-    'Drives "there" & [back] <b> \u00e4', ("left: fixed",), "0123456789abcdef", "0.1.0", "1.14.0",
+    'Drives "there" & [back] <b> \u00e4', ("left: fixed",), "0123456789abcdef", "0.1.0",
     options=FLOAT.words(), constants=(("left.radius", 0.0975, "[m] radius"),),
 )  # fmt: skip
 
 
 def cargo(crate: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    """Cargo without a network; warnings of the compiler and of its documentation are errors."""
+    """Run Cargo without a network; warnings of the compiler and of rustdoc are errors."""
     env = {"PATH": str(Path(tool("cargo")).parent) + ":/usr/bin:/bin", "CARGO_HOME": str(crate / "home")}
     env |= {"RUSTFLAGS": "-Dwarnings", "RUSTDOCFLAGS": "-Dwarnings", "CARGO_NET_OFFLINE": "true"}
     return subprocess.run(
@@ -116,7 +116,7 @@ def test_its_self_test_checks_every_function_of_a_table(crate: Path) -> None:
 
 
 def test_its_self_test_compiles_and_passes(crate: Path) -> None:
-    """Without Cargo, which `test_cargo_runs_the_self_test` has: in a quarter of a second."""
+    """This test does not use Cargo and takes a quarter of a second; see also `test_cargo_runs_the_self_test`."""
     need("rustc")
     rust = (tool("rustc"), "--edition=2021", "-Dwarnings")
     crate_itself = ("--crate-type=lib", "--crate-name=pioneer3dx_kinematics", "src/lib.rs")
@@ -151,11 +151,11 @@ def test_bounds_are_those_of_the_c(wmrgen_cli: Callable[..., Outcome], tmp_path:
     assert f"//!   {line}" in text and line in (tmp_path / "pioneer3dx/pioneer3dx.h").read_text()
 
 
-# ---- what only Rust says
+# ---- texts that only Rust has
 
 
 def test_every_operation_has_a_form() -> None:
-    """Calls are written as in C; choices are not, and of what C names `wmrgen_…` the crate must have its own."""
+    """Calls are written as in C, choices are not. The crate has its own functions for those that C calls `wmrgen_…`."""
     bits_text = (ROOT / "templates/rust/bits.rs.j2").read_text()
     choices = [op for op in OPERATIONS.values() if isinstance(op.c, Conditional)]
     assert choices
@@ -167,7 +167,8 @@ def test_every_operation_has_a_form() -> None:
 
 
 def swapping() -> Module:
-    """A twist that changes places with itself, a pose beside it, wheels of which one joint is written; a scalar."""
+    """Return functions that swap members of a twist, change a pose, write one joint of the wheels, and return a
+    scalar."""
     b = Builder()
     vx, vy, x, step = (b.input(name) for name in ("vx", "vy", "x", "type"))
     x_port, type_port = Port("x", Role.STATE, "m"), Port("type", Role.COMMAND, "")
@@ -193,7 +194,7 @@ def test_what_changes_in_place_changes_at_once_and_other_members_stay() -> None:
 
 
 @pytest.mark.slow
-def test_wheels_and_parameters_may_be_called_as_rust_calls_other_things(
+def test_wheels_and_parameters_may_have_names_of_rust_keywords(
     wmrgen_cli: Callable[..., Outcome], robot_file: Path
 ) -> None:
     need("rustc")
@@ -204,10 +205,11 @@ def test_wheels_and_parameters_may_be_called_as_rust_calls_other_things(
     assert done.code == 0, done.err
     assert '"loop.spin": 1.0' in done.out
     robot_file.write_text(robot_file.read_text().replace("name: loop", "name: self"))
-    assert "Rust keeps that word for itself." in wmrgen_cli(*words).err
+    done = wmrgen_cli(*words)
+    assert done.code == 2 and "'self'" in done.err and "Rust" in done.err
 
 
 def test_without_a_compiler_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    with pytest.raises(EnvironmentFailure, match="apt-get install rustc"):
+    with pytest.raises(EnvironmentFailure, match="rustc"):
         evaluate(MODULES[0], [("inverse", {"vx": 1.0, "vy": 0.0, "omega": 0.0})])

@@ -40,8 +40,8 @@ CHOICES = (
 )
 # Tunable parameters, rollers, steered modules, a car with limits, castors.
 ROBOTS = ("pioneer3dx", "kuka_youbot", "wpilib_swervebot", "ackermann_car", "office_chair")
-# Faults planted in the text had as many wrong bits at either level, and one that overflows an integer shows without
-# optimisation alone, in every robot: with optimisation each choice is compiled once, and each robot.
+# Planted faults gave as many wrong bits at either level. An integer overflow shows only without
+# optimisation, for every robot. With optimisation, each choice and each robot is compiled once.
 OPTIMISED = {(ROBOTS[k % len(ROBOTS)], choice) for k, choice in enumerate(CHOICES)}
 BUILDS = [
     (robot, choice, level)
@@ -79,7 +79,7 @@ def cases_of(module: Module, scalar: str, count: int) -> Cases:
 
 
 def by_c(module: Module, cases: Cases, choice: Choice) -> Answers:
-    """What the C of the same choice gives."""
+    """Return the results of the C with the same choice."""
     functions = c_unit(module, choice)
     wrappers = {call.function: (k, call) for k, call in enumerate(calls(functions))}
     header, source, _ = printed(functions)
@@ -90,8 +90,8 @@ def by_c(module: Module, cases: Cases, choice: Choice) -> Answers:
     lines = [
         request(k, call, {**tunables, **case}) for (k, call), (_, case) in zip(called, cases, strict=True)
     ]
-    told = compile_and_run(files, "\n".join([*lines, ""])).splitlines()
-    return [answer(call, line) for (_, call), line in zip(called, told, strict=True)]
+    answers = compile_and_run(files, "\n".join([*lines, ""])).splitlines()
+    return [answer(call, line) for (_, call), line in zip(called, answers, strict=True)]
 
 
 def bits(value: float) -> str:
@@ -101,7 +101,7 @@ def bits(value: float) -> str:
 def mismatches(
     module: Module, cases: Cases, choice: Choice, level: str, of_c: Answers | None = None
 ) -> list[str]:
-    """Outputs that are not the bits of the C of the same choice, or of ``of_c``."""
+    """Return outputs with other bits than the C of the same choice, or than ``of_c``."""
     flags = (f"-Copt-level={level}", "-Ccodegen-units=1", "-Dwarnings")
     rust = evaluate(module, cases, flags, **choice.words())
     expected = of_c or by_c(module, cases, choice)
@@ -127,13 +127,13 @@ def label(build: tuple[str, Choice, str]) -> str:
 
 @lru_cache(maxsize=2)
 def of_robot(robot: str, scalar: str) -> Cases:
-    """The cases of a robot, for every choice."""
+    """Return the cases of a robot for every choice."""
     return cases_of(of_gallery(robot).c_module, scalar, examples(1000))
 
 
 @lru_cache(maxsize=1)
 def in_c(robot: str, choice: Choice) -> Answers:
-    """What its C gives, for both levels of Rust."""
+    """Return the results of its C, for both levels of Rust."""
     return by_c(of_gallery(robot).c_module, of_robot(robot, choice.scalar), choice)
 
 
@@ -172,7 +172,7 @@ limits:
 @pytest.mark.slow
 @pytest.mark.parametrize("choice", [FLOAT, DOUBLE], ids=["float", "double"])
 def test_bits_of_every_function(choice: Choice, tmp_path: Path) -> None:
-    """All that a robot with castors, tunable parameters, encoders, noise and every limit can have."""
+    """All functions of a robot with castors, tunable parameters, encoders, noise and every limit."""
     need("rustc", "cc")
     path = tmp_path / "everything.yaml"
     path.write_text(EVERYTHING)

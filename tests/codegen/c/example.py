@@ -1,4 +1,5 @@
-"""The example of a robot, run on the host or built for a board, and the figure that it should drive by another code."""
+"""The example of a robot, on the host or built for a board, and the figure that it should drive, computed
+independently."""
 
 from __future__ import annotations
 
@@ -67,7 +68,7 @@ limits: {vx: 1, omega: 4, spin: 40, vx_rate: 1, omega_rate: 1}
 functions: [limit_twist, limit_acceleration, desaturate]
 """,
 }  # fmt: skip
-# Without the loop from sensors to motors: what a step wants, and the pose that is measured.
+# Prints the wanted twist and the measured pose of every step.
 HOOKED = """
 #define {upper}_EXAMPLE_MAIN
 #define main drive
@@ -86,7 +87,7 @@ MAIN = "int main(void) { return drive(); }\n"
 
 
 def driven(robot: str, folder: Path) -> Derivation:
-    """A robot of `WHEELS`, called ``driven``."""
+    """Return a robot of `WHEELS` with the name ``driven``."""
     (folder / "driven.yaml").write_text(f"wmrgen: 1\nname: driven\n{WHEELS[robot]}")
     return derive(load(folder / "driven.yaml"))
 
@@ -106,7 +107,8 @@ def written(folder: Path, d: Derivation, program: str, target: str = "m4f") -> l
 
 
 def recorded(folder: Path, d: Derivation, target: str = "m4f", program: str = PRINTED + MAIN) -> np.ndarray:
-    """Each step of the example: x, y, theta as measured [m, m, rad], and the wanted twist [m/s, m/s, rad/s]."""
+    """Return for each step of the example the measured x, y, theta [m, m, rad] and the wanted twist [m/s, m/s,
+    rad/s]."""
     sources = written(folder, d, program, target)
     flags = ("-std=c99", "-O1", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
     printed = run_program(compile_program(folder, sources, None, flags), "")

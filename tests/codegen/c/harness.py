@@ -1,4 +1,4 @@
-"""The generated C of many robots in one program, against the float32 interpreter with C's own libm.
+"""The generated C of many robots in one program, compared with the float32 interpreter and C's libm.
 
 All robots go into one translation unit (their names are prefixed), so a compiler starts once per flag set.
 """
@@ -19,8 +19,8 @@ from tests.depth import everyday
 from tests.robots import ROBOTS, of_gallery
 from wmrgen.codegen.c.driver import Call, answer, calls, driver, request
 from wmrgen.codegen.c.emit import printed, unit
-from wmrgen.codegen.c.records import Unit
 from wmrgen.codegen.compiler import compile_program, run_program
+from wmrgen.codegen.unit import Unit
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, Arithmetic, evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
@@ -32,21 +32,21 @@ WARNINGS = (
 )  # fmt: skip
 STRICT = ("-std=c99", "-ffp-contract=off", *WARNINGS)
 COMPILERS = tuple(name for name in ("gcc", "clang") if shutil.which(name))
-EACH = everyday(COMPILERS, COMPILERS[:1])  # as cases of a test: every day the first
+EACH = everyday(COMPILERS, COMPILERS[:1])  # cases of a test: the everyday tests use the first
 
 _LIBM = ctypes.CDLL(ctypes.util.find_library("m"))
 
 
 @dataclass(frozen=True)
 class Libm:
-    """An arithmetic whose sine, cosine and arctangent are C's; ``seen`` collects their arguments."""
+    """An arithmetic with C's sine, cosine and arctangent; ``seen`` collects their arguments."""
 
     arithmetic: Arithmetic
     seen: set[tuple[Op, tuple[float, ...]]]
 
 
 def libm(scalar: str) -> Libm:
-    """The float32 or float64 arithmetic of the interpreter over the system's libm."""
+    """Return the float32 or float64 arithmetic of the interpreter with the system's libm."""
     base, suffix, kind = (
         (FLOAT32, "f", ctypes.c_float) if scalar == "float" else (FLOAT64, "", ctypes.c_double)
     )
@@ -68,7 +68,7 @@ def libm(scalar: str) -> Libm:
 
 
 def ulps32(op: Op, args: tuple[float, ...], value: float) -> float:
-    """Distance of ``value`` from the float64 result, in units in the last place of float32."""
+    """Return the distance of ``value`` from the float64 result in units in the last place of float32."""
     functions: dict[Op, Callable[..., float]] = {
         Op.SIN: math.sin, Op.COS: math.cos, Op.ATAN: math.atan, Op.ATAN2: math.atan2,
     }  # fmt: skip
@@ -137,13 +137,13 @@ class Program:
     def mismatches(
         self, folder: Path, compiler: str, flags: Sequence[str], env: dict[str, str] | None = None
     ) -> list[str]:
-        """Compile in ``folder``, run all cases; one line per output that is not the expected bits."""
+        """Compile in ``folder``, run all cases, and return a line for each output with unexpected bits."""
         program = compile_program(folder, ["wmrgen-all.c"], compiler, flags)
         lines = [request(index, self.calls[index], case) for index, case, _ in self.cases]
-        told = run_program(program, "\n".join(lines) + "\n", env).splitlines()
-        assert len(told) == len(self.cases)
+        answers = run_program(program, "\n".join(lines) + "\n", env).splitlines()
+        assert len(answers) == len(self.cases)
         wrong = []
-        for (index, case, expected), line in zip(self.cases, told, strict=True):
+        for (index, case, expected), line in zip(self.cases, answers, strict=True):
             got = answer(self.calls[index], line)
             wrong += [
                 f"{self.calls[index].function}({case}).{key}: {got[key].hex()}, expected {value.hex()}"

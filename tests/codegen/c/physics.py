@@ -1,4 +1,4 @@
-"""What a robot does by the commands of its example: rigid-body motion in which no driven wheel slides.
+"""The motion of a robot for the commands of its example: rigid-body motion in which no driven wheel slides.
 
 The examples of many robots are one program, and print the wanted twist and the commands of every step.
 """
@@ -24,7 +24,7 @@ from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry.layout.records import Wheel
 
 Array = NDArray[np.float64]
-EVERY = 10  # steps, of which one is looked at
+EVERY = 10  # steps: one of them is checked
 FLAGS = ("-std=c99", "-O0", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
 RECORD = """
 #include <stdio.h>
@@ -47,7 +47,8 @@ int drive_{name}(void) {{ return drive(); }}
 
 
 def driven(robots: Sequence[Derivation], folder: Path) -> list[Array]:
-    """Of each robot the steps of its example: wanted twist [m/s, m/s, rad/s], then the commands of all joints."""
+    """Return for each robot the steps of its example: wanted twist [m/s, m/s, rad/s], then the commands of all
+    joints."""
     sources, cases, declared = [], [], []
     for d in robots:
         name = d.robot.name
@@ -93,7 +94,10 @@ class Drive(NamedTuple):
 
 
 def drive(d: Derivation, rows: Array) -> Drive:
-    """What the robot does by its commands. A motion that they do not determine is the wanted one."""
+    """Return the motion for the commands.
+
+    If they do not determine it, the motion nearest to the wanted one is taken.
+    """
     joints = {name: 3 + k for k, name in enumerate(d.c_module.joints or ())}
     rates = {w.name: rows[:, joints[f"{w.name}.steer_rate"]] for w in d.robot.wheels
              if w.kind.swivels and f"{w.name}.steer_rate" in joints}  # fmt: skip
@@ -123,7 +127,7 @@ def drive(d: Derivation, rows: Array) -> Drive:
 def constraints(
     d: Derivation, commands: Mapping[str, float], swivelled: Mapping[str, float]
 ) -> tuple[Array, Array]:
-    """(A, b) with A twist = b: wheels that are driven roll as they are told, and those with a direction keep it."""
+    """Return (A, b) with A twist = b: driven wheels roll at their commands, and wheels do not slide sideways."""
     rows, values = [np.zeros(3)], [0.0]
     for w in d.robot.wheels:
         steer = swivelled.get(w.name, 0.0) if w.kind.swivels else commands.get(f"{w.name}.steer", 0.0)
@@ -140,7 +144,7 @@ def constraints(
 
 
 def record(w: Wheel) -> oracle.Wheel:
-    """The wheel as the oracle has it."""
+    """Return the wheel in the form of the oracle."""
     g = w.nominal
     return {
         "type": "spherical" if w.ball else w.type, "x": w.pivot.real, "y": w.pivot.imag, "heading": w.heading,

@@ -1,4 +1,4 @@
-"""C over arrays of states: the numbers of the scalar C, from a loop that compilers turn into vectors."""
+"""C for arrays of states: it gives the numbers of the scalar C, and compilers vectorise its loops."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_every_state_as_the_scalar_c(name: str) -> None:
 
 
 def test_as_numpy() -> None:
-    """The same names, keywords, defaults and shapes; tunable parameters may be arrays."""
+    """Names, keywords, defaults and shapes are those of the NumPy functions; tunable parameters may be arrays."""
     derivation = of_gallery("pioneer3dx")
     fast, slow = derivation.compiled(), derivation.numpy()
     inputs: dict[str, Any] = {"left_spin": np.linspace(-3, 3, 12).reshape(3, 4), "right_spin": 2.0}
@@ -62,14 +62,14 @@ def test_as_numpy() -> None:
 
 def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CC", "no-such-compiler")
-    with pytest.raises(EnvironmentFailure, match="no C compiler"):
+    with pytest.raises(EnvironmentFailure, match="no-such-compiler"):
         of_gallery("pioneer3dx").compiled()
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize("name", ["pioneer3dx", "wpilib_swervebot"])
 def test_compilers_vectorise(compiler: str, name: str, tmp_path: Path) -> None:
-    """The loop of `forward` becomes vectors, sines included; no warning."""
+    """Compilers vectorise the loop of `forward` with its sines, and give no warning."""
     need(compiler)
     module = of_gallery(name).c_module
     functions = unit(module, Choice(target=HOST))

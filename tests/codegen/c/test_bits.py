@@ -1,4 +1,4 @@
-"""Generated C against the interpreter, bit for bit, for every robot, compiler and optimisation level."""
+"""Generated C equals the interpreter bit for bit, for every robot, compiler and optimisation level."""
 
 from __future__ import annotations
 
@@ -73,7 +73,8 @@ def test_double(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_libm_is_within_two_ulp(robots: tuple[Program, Path]) -> None:
-    """With `test_other_choices_of_all`: C is the interpreter's, each libm call within 2 ulp of the true value."""
+    """Each call of libm is within 2 ulp of the exact value; `test_other_choices_of_all` compares C with the
+    interpreter."""
     program = Program(robots[0].modules, "float", 4, LIBM)
     assert program.cases
     seen = sorted(program.libm.seen, key=repr)
@@ -85,8 +86,8 @@ def test_libm_is_within_two_ulp(robots: tuple[Program, Path]) -> None:
 
 @pytest.mark.slow
 def test_under_sanitizers(robots: tuple[Program, Path]) -> None:
-    """Every compiler here that has the sanitizers' runtime; at least one has. Optimised code could only lack what is
-    looked for."""
+    """The C is clean with every compiler that has the sanitizers' runtime; at least one has. Optimised code could
+    hide errors."""
     program, folder = robots
     kinds = "address,undefined,float-divide-by-zero,float-cast-overflow"
     flags = ("-std=c99", "-O0", "-ffp-contract=off", "-fno-sanitize-recover=all", f"-fsanitize={kinds}")
@@ -130,7 +131,7 @@ def test_random_layouts(random_layouts: tuple[Module, ...], scalar: str, tmp_pat
 
 
 def _random_function(source: random.Random, name: str) -> Function:
-    """Raw nodes, no builder: negations of differences, products of quotients, whatever grouping there is."""
+    """Return random nodes that no builder simplifies: negations of differences, products of quotients, any grouping."""
     inputs = tuple(Port(f"p{k}", Role.STATE, "m") for k in range(4))
     nodes = [Node(Op.INPUT, name=port.name) for port in inputs]
     nodes += [Node(Op.CONST, value=Exact(source.randint(-9, 9)) / source.randint(1, 9)) for _ in range(4)]
@@ -154,7 +155,7 @@ def test_grouping_of_random_expressions(compiler: str, tmp_path: Path) -> None:
     program = Program((Module("random_trees", functions),), "float", 8)
     program.write(tmp_path)
     wrong = program.mismatches(tmp_path, compiler, (*STRICT, "-O2"))
-    assert [line for line in wrong if "nan" not in line] == []  # the sign of a NaN is nobody's promise
+    assert [line for line in wrong if "nan" not in line] == []  # the sign of a NaN is not specified
 
 
 def test_the_interpreter_reaches_the_same_libm() -> None:

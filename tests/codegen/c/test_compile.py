@@ -1,4 +1,4 @@
-"""How generated C compiles: warnings, C++, mixed pairs, evil texts, and a machine without a compiler."""
+"""Compilation of generated C: warnings, C++, mixed pairs, hostile texts, and a machine without a compiler."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def write(folder: Path, module: Module, choice: Choice = DEFAULT, facts: Facts =
 
 @pytest.mark.parametrize("compiler", EACH)
 def test_each_file_stands_alone(compiler: str, tmp_path: Path) -> None:
-    """No source leans on another's includes, and each header compiles by itself, twice."""
+    """No source depends on the includes of another, and each header compiles alone and twice."""
     for module in (*MODULES, *gallery()[::6]):
         write(tmp_path, module)
         (tmp_path / "user.c").write_text(
@@ -60,7 +60,7 @@ def test_every_header_from_cpp(tmp_path: Path) -> None:
 
 
 def test_kernels_of_two_targets_do_not_share_a_file(tmp_path: Path) -> None:
-    """Robots of one target may stand in one translation unit; the kernels of another would replace theirs."""
+    """Robots of one target may be in one translation unit. Kernels of another target would replace theirs."""
     first, second = (m for m in (swerve(), *gallery()) if m.name in ("swerve", "wpilib_swervebot"))
     (tmp_path / "both.c").write_text(f'#include "{first.name}.c"\n#include "{second.name}.c"\n')
     write(tmp_path, first)
@@ -68,7 +68,7 @@ def test_kernels_of_two_targets_do_not_share_a_file(tmp_path: Path) -> None:
     compile_program(tmp_path, ["both.c"], COMPILERS[0], (*STRICT, *DRIVERLESS))
     for other in (Choice(target="host"), Choice(math="libm"), Choice("double", "libm")):
         write(tmp_path, second, other)
-        with pytest.raises(EnvironmentFailure, match="kernels of another"):
+        with pytest.raises(EnvironmentFailure, match=r"#error.*--target"):
             compile_program(tmp_path, ["both.c"], COMPILERS[0], (*STRICT, *DRIVERLESS))
 
 
@@ -76,12 +76,12 @@ def test_a_mixed_pair_does_not_compile(tmp_path: Path) -> None:
     write(tmp_path, mecanum(), facts=Facts(model_hash="1"))
     header, _ = sources(mecanum(), facts=Facts(model_hash="2"))
     (tmp_path / "mecanum.h").write_text(header)
-    with pytest.raises(EnvironmentFailure, match="not generated together"):
+    with pytest.raises(EnvironmentFailure, match=r"#error.*mecanum\.h"):
         compile_program(tmp_path, ["mecanum.c"], None, DRIVERLESS)
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-def test_evil_texts(compiler: str, tmp_path: Path) -> None:
+def test_hostile_texts(compiler: str, tmp_path: Path) -> None:
     evil = '*/ int x; /* ??/\n \\ // /* é \\\n#error no\n??/ "'
     for module in (swerve(), tunable()):
         write(tmp_path, module, facts=Facts(description=evil, wheel_lines=(evil, evil * 9)))
@@ -92,7 +92,7 @@ def test_evil_texts(compiler: str, tmp_path: Path) -> None:
 def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("CC", raising=False)
-    with pytest.raises(EnvironmentFailure, match="apt-get install gcc") as caught:
+    with pytest.raises(EnvironmentFailure, match="gcc") as caught:
         evaluate_c(mecanum(), [("inverse", {"vx": 1.0, "vy": 0.0, "omega": 0.0})])
     assert caught.value.exit_code == 4
     monkeypatch.setenv("CC", "no-such-cc")
@@ -109,7 +109,7 @@ def test_evaluate_in_both_scalars() -> None:
 
 
 def compiled(folder: Path, *words: str) -> bytes:
-    """The object of a swerve drive for a processor with a fused multiply-add, compiled by ``words``."""
+    """Compile a swerve drive for a processor with a fused multiply-add by ``words`` and return the object."""
     write(folder, swerve())
     subprocess.run([*words, "-std=c99", "-c", "swerve.c", "-o", "swerve.o"], cwd=folder, check=True)
     return (folder / "swerve.o").read_bytes()
@@ -117,7 +117,7 @@ def compiled(folder: Path, *words: str) -> bytes:
 
 @pytest.mark.parametrize("compiler", EACH)
 def test_options_for_size_call_the_kernels(compiler: str, tmp_path: Path) -> None:
-    """-Os gives what -DWMRGEN_SMALL asks for, and less than with kernels inlined."""
+    """-Os gives the same object as -DWMRGEN_SMALL, smaller than with inlined kernels."""
     small, fast = compiled(tmp_path, compiler, "-Os"), compiled(tmp_path, compiler, "-O2")
     assert small == compiled(tmp_path, compiler, "-Os", "-DWMRGEN_SMALL")
     assert len(small) < len(fast)
@@ -129,7 +129,7 @@ def test_a_processor_without_the_instruction_does_not_call_fmaf(compiler: str, t
     assert b"fmaf" not in compiled(tmp_path, compiler, "-O1", *bare)
 
 
-# Floats of few bits, of sizes up to 2**30 apart: many sums lie half way between two floats.
+# Floats of few bits, with magnitudes up to 2**30 apart: many sums are halfway between two floats.
 AGAINST_LIBRARY = """
 #include "swerve.c"
 #include <string.h>

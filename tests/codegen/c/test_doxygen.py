@@ -45,6 +45,6 @@ def test_everything_has_a_description(robot: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_what_has_none_is_seen(tmp_path: Path) -> None:
+def test_a_missing_description_is_found(tmp_path: Path) -> None:
     put(tmp_path, {"lekiwi.h": files_of("lekiwi")["lekiwi.h"].replace(b"/** Sensed", b"/* Sensed")})
     assert any("lekiwi_forward" in line for line in warnings(tmp_path))

@@ -17,18 +17,18 @@ from tests.robots import of_gallery, of_text
 from wmrgen.derivation.facade import Derivation
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
-PASSIVE = {"office_chair"}  # nothing to command or to measure: it has no example
+PASSIVE = {"office_chair"}  # it has no joints to command or to measure, and no example
 ODD = Path(__file__).with_name("odd_robots.yaml").read_text(encoding="utf-8").split("---\n")[1:]
 STRAIGHT = {  # robots that drive no curve: wheels would slide, or motors do not command it
     *("clearpath_a200", "locked_bicycle", "unicycle", "textbook_omni_steer"),
     *("one_wheel_gyro", "in_line", "in_line_offset", "skid", "omni_steer"),
 }
 UNMOTORED = {"unicycle", "textbook_omni_steer", "one_wheel_gyro", "one_wheel_off", "omni_steer"}
-STANDING = {"one_wheel_off", "crossed_axles"}  # nothing keeps it from turning; it can only turn
+STANDING = {"one_wheel_off", "crossed_axles"}  # the first may turn freely; the second can only turn
 
 
 def check_figures(robots: list[Derivation], folder: Path) -> None:
-    """Rigid-body motion by the commands is the figure: wheels do not slide, and the robot swings if it can."""
+    """The motion for the commands is the figure: wheels do not slide, and the robot drives curves if it can."""
     wrong = {}
     for d, rows in zip(robots, physics.driven(robots, folder), strict=True):
         name, found = d.robot.name, physics.drive(d, rows)
@@ -63,7 +63,7 @@ def test_odd_robots_drive_their_figures(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("robot", everyday(WHEELS, ["swerve"]))
 def test_what_is_measured_is_the_figure(robot: str, tmp_path: Path) -> None:
-    """With encoders, limits and castors, too: within a thousandth of its length."""
+    """The measured path is within a thousandth of the length of the figure, also with encoders, limits and castors."""
     rows = recorded(tmp_path, driven(robot, tmp_path))
     assert len(rows) == STEPS
     figure = integrated(rows[:, 3:])
@@ -91,14 +91,14 @@ int main(void)
 
 
 def test_modules_do_not_creep_at_rest(tmp_path: Path) -> None:
-    """Half a minute; the encoders round toward zero. A count of theirs is 30 microradians."""
+    """After half a minute; the encoders round toward zero, and a count is 30 microradians."""
     angles = recorded(tmp_path, driven("swerve", tmp_path), program=REST)
     assert angles.shape == (round(30 / DT), 2)
     assert np.ptp(angles, axis=0).max() < 0.01
 
 
 def test_it_leaves_a_main_in_an_archive_alone(tmp_path: Path) -> None:
-    """As firmware has it that is built by Arduino or PlatformIO from every file of a folder."""
+    """Arduino and PlatformIO build firmware from every file of a folder."""
     files = written(tmp_path, driven("pair", tmp_path), "")
     (tmp_path / "core.c").write_text("int main(void) { return 7; }\n")
 

@@ -1,4 +1,4 @@
-"""Names and comments of generated C: what they call a value is that value, at stops and standstill, too."""
+"""Names and comments of generated C are correct: a named value has that value, also at stops and at standstill."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ROBOTS = ("wpilib_swervebot", "nomad_xr4000", "ackermann_car", "pioneer3dx", "ag
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_names_are_true(robot: str) -> None:
+def test_named_values_are_correct(robot: str) -> None:
     """In float64, of optimised code and of the code of a processor: the named value is that of the formula.
 
     Steering angles reach beyond every stop; every other twist is small.
@@ -70,7 +70,7 @@ def test_comments_and_lines() -> None:
     assert re.search(r"^    /\* t of front_left \*/\n    const float front_left_t = .*;$", car, flags=re.M)
     assert re.search(
         r"^    const float half_turn = .*; /\* sigma \*/$", source, flags=re.M
-    )  # as the report has it
+    )  # as in the report
     lines = source.splitlines()
     inverse = {p.function: p for p in places_in("wpilib_swervebot.c", source)}["wpilib_swervebot_inverse"]
     assert lines[inverse.line - 1].startswith("void wpilib_swervebot_inverse(")
@@ -80,8 +80,8 @@ def test_comments_and_lines() -> None:
         assert text in lines[number - 1] or (text in lines[number - 2] and ";" in lines[number - 1])
 
 
-def test_what_a_kernel_gives_for_one_wheel_is_called_as_the_wheel() -> None:
-    """Also where it takes the present angle kept in its limits, or a difference of two angles."""
+def test_results_of_a_kernel_for_one_wheel_have_the_name_of_the_wheel() -> None:
+    """This also holds for a kernel that takes a clamped present angle, or a difference of two angles."""
     limited, swinging = (
         sources(of_gallery(name).c_module)[1] for name in ("agilex_ranger", "wpilib_swervebot")
     )
@@ -96,22 +96,25 @@ def test_what_a_kernel_gives_for_one_wheel_is_called_as_the_wheel() -> None:
 
 @pytest.mark.parametrize(("function", "most"), [("inverse_together", 10), ("accelerations", 24)])
 def test_long_functions_name_what_they_compute(function: str, most: int) -> None:
-    """Of a swerve drive all but products and parts of sums; both results of `accelerations` have a name."""
+    """For a swerve drive, only products and parts of sums are unnamed; both results of `accelerations` have a name."""
     source = sources(of_gallery("wpilib_swervebot", "inverse", "forward", function).c_module)[1]
     body = source.partition(f"_{function}(")[2].partition("\n}")[0]
     assert len(re.findall(r"const float t\d+ = ", body)) <= most < len(re.findall("const float ", body)) / 2
     assert "out_out" not in body and body.count("spin_rate = ") >= 4 * (function == "accelerations")
 
 
-def test_limited_angles_are_called_so() -> None:
-    """The angle before the stop is not called that inside the limits."""
+def test_clamped_angles_have_their_own_name() -> None:
+    """The angle before clamping has another name than the angle within the limits."""
     source = sources(of_gallery("agilex_ranger").c_module)[1]
     targets = re.findall(r"const float (\w+_target) = (\w+)\(", source)
     assert targets and {kernel for _, kernel in targets} == {"wmrgen_clamp"}
 
 
 def test_other_languages_have_the_names() -> None:
-    """Those of wheels for what a kernel gives, those of formulas behind an underscore where ports may have them."""
+    """Results of kernels have names of wheels.
+
+    Names of formulas begin with an underscore if a port may have the name.
+    """
     module = of_gallery("wpilib_swervebot").c_module
     crate = next(t for n, t in rust.emit(module, Facts()).items() if n.endswith("lib.rs")).decode()
     assert "let front_left_x: f32 = " in crate and "let front_left: Wheel = wmrgen_steer_along(" in crate
@@ -135,8 +138,8 @@ wheels:
 
 
 @pytest.mark.parametrize("text", ["pioneer3dx", "kuka_youbot", CALIBRATED])
-def test_what_is_said_of_prepared_numbers_is_true(text: str) -> None:
-    """The formulas in the header, at calibrated parameters; of long ones and of sines, their factors."""
+def test_comments_on_prepared_numbers_are_correct(text: str) -> None:
+    """Formulas in the header are correct for calibrated parameters; so are the factors given for long formulas."""
     d = of_text(text) if "\n" in text else of_gallery(text)
     header, prepare = sources(d.c_module)[0], d.c_module.prepare
     said = re.findall(r"float (k\d+); +/\*\*< (.*?) \*/", header)
@@ -148,7 +151,9 @@ def test_what_is_said_of_prepared_numbers_is_true(text: str) -> None:
         results = evaluate(prepare, values, FLOAT64)
         for name, formula in formulas:
             assert not re.search(r"[^\w .*/+()-]", formula)
-            assert eval(formula, {}, values) == pytest.approx(results[name], rel=1e-5)  # of a header of ours
+            assert eval(formula, {}, values) == pytest.approx(
+                results[name], rel=1e-5
+            )  # the text is generated, not user input
     for name, (factor, outputs, function) in ((k, m.groups()) for k, s in said if (m := used.fullmatch(s))):
         assert factor or function == "forward_slip"
         whole = next(f for f in d.c_module.functions if f.name == function)

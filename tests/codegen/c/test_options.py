@@ -1,4 +1,4 @@
-"""Options of compilers that regroup sums, or otherwise change results: refused, or the self-test passes with them."""
+"""Compiler options that change results: the C does not compile with them, or the self-test passes."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ OF_CLANG = (
     "-fno-honor-infinities",
     "-freciprocal-math -fapprox-func",
 )
-REFUSED = {  # by compilers that tell of them: gcc since 12; clang tells of -ffast-math alone
+REFUSED = {  # by compilers that define macros for them: gcc since 12; clang only for -ffast-math
     "gcc": set(OPTIONS[:7]) | {"-fno-signed-zeros"},
     "clang": {"-ffast-math", "-Ofast", "-ffp-model=fast"},
 }
 PLAIN = ("-std=c99", "-w")
-# With half of -ffast-math clang takes square roots from an estimate of the processor, which makers round differently.
+# With half of -ffast-math, clang computes square roots from an estimate, which processors round differently.
 NO_ESTIMATES = {"clang": ("-mrecip=none",)}
 OBJECT = "tests.o"
 EVERYDAY = ("turtlebot3_burger", "ackermann_car")
@@ -40,7 +40,7 @@ PAIRS = [(c, option) for c in COMPILERS for option in (*OPTIONS, *(OF_CLANG if c
 
 
 def outcome(folder: Path, compiler: str, flags: str, sources: tuple[str, ...] = (EVERY,)) -> str | list[str]:
-    """``refused``, or which self-tests fail."""
+    """Return ``refused``, or the self-tests that fail."""
     try:
         arguments = (*PLAIN, "-O2", *NO_ESTIMATES.get(compiler, ()), *flags.split())
         program = compile_program(folder, sources, compiler, arguments)
@@ -55,7 +55,7 @@ def outcome(folder: Path, compiler: str, flags: str, sources: tuple[str, ...] = 
     [p if p[0] == COMPILERS[0] else pytest.param(*p, marks=pytest.mark.slow) for p in PAIRS],
 )
 def test_refused_or_right(compiler: str, option: str, tmp_path: Path) -> None:
-    """Every day by one compiler."""
+    """The everyday tests use one compiler."""
     write(tmp_path, EVERYDAY)
     assert outcome(tmp_path, compiler, option) == ("refused" if option in REFUSED[compiler] else [])
 
@@ -80,13 +80,13 @@ def test_families_are_refused_or_right(compiler: str, option: str, families: Pat
 @pytest.mark.parametrize("option", ["-funsafe-math-optimizations", ASSOCIATIVE])
 @pytest.mark.slow
 def test_right_on_cortex_m4f(option: str, tmp_path: Path) -> None:
-    """A clang that tells of neither: sums keep their order."""
+    """For a clang that defines neither macro, sums keep their order."""
     assert on_target(M4F, FEW, tmp_path, (*ZIG, *option.split())) == dict.fromkeys(FEW, 0)
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_an_option_that_regroups_is_seen(compiler: str, tmp_path: Path) -> None:
-    """Without the guard the self-test of doubles fails: these tests are awake."""
+    """Without the guard, the self-test of doubles fails, so these tests can fail."""
     write(tmp_path, ("bicycle",), "double")
     source = tmp_path / "bicycle.c"
     head, body = source.read_text().split("#if defined(__FAST_MATH__)", 1)

@@ -22,7 +22,7 @@ def needed() -> None:
 
 
 def build(library: Path, sketch: str, folder: Path, flags: str = "") -> Path:
-    """The program of an example of a library, for an Uno; ``flags`` for the C. Tests of one process share the core."""
+    """Build an example of a library for an Uno, with ``flags`` for the C. Tests of one process share the core."""
     core = folder.parents[1] / "arduino-core"
     core.mkdir(exist_ok=True)
     folder.mkdir()
@@ -41,15 +41,15 @@ def build(library: Path, sketch: str, folder: Path, flags: str = "") -> Path:
 
 
 def size(program: Path) -> tuple[int, int]:
-    """Bytes of flash and of RAM, the stack aside."""
+    """Return the bytes of flash and of RAM, without the stack."""
     lines = run(program.parent, "avr-size", "-A", program)
     sections = {line.split()[0]: int(line.split()[1]) for line in lines.splitlines() if line.startswith(".")}
     data = sections.get(".data", 0)
     return sections[".text"] + data, data + sections.get(".bss", 0) + sections.get(".noinit", 0)
 
 
-def said(program: Path, lines: int, patience: float = 60) -> list[str]:
-    """The first lines that a program prints on the serial port of an ATmega328P: a sketch never ends."""
+def serial_lines(program: Path, lines: int, patience: float = 60) -> list[str]:
+    """Return the first lines that a program prints on the serial port of an ATmega328P; a sketch never ends."""
     command = ["simavr", "-m", "atmega328p", "-f", "16000000", str(program)]
     running = subprocess.Popen(
         command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True

@@ -1,4 +1,4 @@
-"""Packages of robots, made in memory or in a folder."""
+"""Packages of robots, in memory or in a folder."""
 
 from __future__ import annotations
 

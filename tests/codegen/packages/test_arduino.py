@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.codegen.packages.arduino import build, needed, said, size
+from tests.codegen.packages.arduino import build, needed, serial_lines, size
 from tests.codegen.packages.made import in_folder
 from tests.codegen.packages.test_documents import PAGE
 
@@ -22,12 +22,12 @@ def test_the_self_test_says_ok(robot: str, flags: str, tmp_path: Path) -> None:
     needed()
     library = in_folder(tmp_path, robot, "arduino", "avr")
     program = build(library, f"{robot}_selftest", tmp_path / "build", flags)
-    assert said(program, 1) == ["OK"]
+    assert serial_lines(program, 1) == ["OK"]
     flash, ram = size(program)
     assert flash <= 32256 and ram <= 500
 
 
-# Fills the memory above the variables, and tells how much of it the stack has reached.
+# Fills the memory above the variables, and returns how much of it the stack has used.
 PAINT = """
 extern "C" uint8_t __heap_start;
 static void __attribute__((noinline)) paint()
@@ -54,7 +54,7 @@ VX, OMEGA, DT = 0.2, 0.05, 0.02  # of the sketch
 
 
 def driven(seconds: int, rates: tuple[float, float]) -> tuple[float, float, float]:
-    """Pose in thousandths after the steps of a second times ``seconds``: wheels do at once what they are told, and the
+    """Pose in thousandths after the steps of a second times ``seconds``: wheels follow commands at once, and the
     twist goes straight to the wanted one inside the limits of ``rates``."""
     x = y = theta = vx = omega = 0.0
     for _ in range(50 * seconds):
@@ -82,10 +82,10 @@ def test_the_loop_drives_in_little_memory(robot: str, tmp_path: Path) -> None:
     flash, ram = size(build(library, sketch.stem, tmp_path / "build"))
     text = sketch.read_text()
     assert text.count("void setup()\n{\n") == 1 and text.count("        tell(pose.theta") == 1
-    told = "Serial.print(reached());\n        Serial.write(' ');\n        tell(pose.theta"
-    sketch.write_text(text.replace("void setup()\n{\n", PAINT).replace("tell(pose.theta", told))
-    heard = said(build(library, sketch.stem, tmp_path / "painted"), 3)
-    for second, line in enumerate(heard, 1):
+    replacement = "Serial.print(reached());\n        Serial.write(' ');\n        tell(pose.theta"
+    sketch.write_text(text.replace("void setup()\n{\n", PAINT).replace("tell(pose.theta", replacement))
+    printed = serial_lines(build(library, sketch.stem, tmp_path / "painted"), 3)
+    for second, line in enumerate(printed, 1):
         x, y, stack, theta = map(int, line.split())
         assert (x, y, theta) == pytest.approx(driven(second, RATES[robot]), abs=1.01)
     assert 20 < stack < 500
@@ -100,5 +100,5 @@ def test_a_broken_library_does_not(tmp_path: Path) -> None:
     library = in_folder(tmp_path, "textbook_differential", "arduino", "avr")
     source = library / "src" / "textbook_differential.c"
     source.write_text(source.read_text().replace(" + ", " - "))
-    (heard,) = said(build(library, "textbook_differential_selftest", tmp_path / "build"), 1)
-    assert heard.startswith("row ")
+    (printed,) = serial_lines(build(library, "textbook_differential_selftest", tmp_path / "build"), 1)
+    assert printed.startswith("row ")

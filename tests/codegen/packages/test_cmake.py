@@ -1,4 +1,4 @@
-"""The CMake package: it builds, tests itself, installs, and is found by a project of its own; and as a sub-folder."""
+"""The CMake package: it builds, tests itself and installs; other projects find it, or use it as a sub-folder."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""docs/microcontroller.md: its commands, as they are printed, in an empty folder."""
+"""The commands of docs/microcontroller.md, run as printed in an empty folder."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_the_page_from_an_empty_folder_to_a_running_robot(tmp_path: Path) -> Non
         cwd=folder, env={**os.environ, **path}, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT, text=True, check=False,
     )  # fmt: skip
-    said = [re.sub(r"\x1b\[[\d;]*m", "", line) for line in done.stdout.splitlines()]
-    said = [re.sub(r"^(\d.*)\.$", r"\1", line) for line in said]  # simavr's dot for the end of a line
+    printed = [re.sub(r"\x1b\[[\d;]*m", "", line) for line in done.stdout.splitlines()]
+    printed = [re.sub(r"^(\d.*)\.$", r"\1", line) for line in printed]  # simavr's dot for the end of a line
     shown = block("text").splitlines()
-    assert len(shown) == 5 and [line for line in said if line in shown] == shown, done.stdout
+    assert len(shown) == 5 and [line for line in printed if line in shown] == shown, done.stdout

@@ -1,4 +1,4 @@
-"""What stands in every package: the C as `derive` writes it, no stray ``main``, metadata that its language can read."""
+"""The content of every package: the C as `derive` writes it, no ``main`` among the sources, valid metadata."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ SAID = "5\" wheels & 'casters' <50 % off; $HOME \\n #1: {x} é"
 
 
 @pytest.fixture
-def told(tmp_path: Path) -> Path:
-    """A robot whose description holds what each language quotes."""
+def quoted_robot(tmp_path: Path) -> Path:
+    """Write a robot file whose description has characters that languages must quote."""
     path = tmp_path / "pair.yaml"
     path.write_text(DIFFERENTIAL.replace("parameters:", f"description: {json.dumps(SAID)}\nparameters:"))
     return path
@@ -82,7 +82,7 @@ def test_a_robot_without_motors_and_sensors_has_no_loop(
     assert "namespace pair {" in header and "inline void odometry(" in header
 
 
-def test_a_stranger_among_packages_is_found(
+def test_an_unknown_file_among_packages_is_found(
     wmrgen_cli: Callable[..., Outcome], robot_file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(robot_file.parent)
@@ -107,8 +107,8 @@ def test_every_template_is_a_file_of_its_kind() -> None:
 
 
 @pytest.mark.parametrize("kind", everyday(KINDS, ["arduino"]))
-def test_what_is_swept_up_defines_no_main(kind: str, tmp_path: Path) -> None:
-    """Arduino and PlatformIO compile whatever lies below ``src``; an example is left out there."""
+def test_sources_define_no_main(kind: str, tmp_path: Path) -> None:
+    """Arduino and PlatformIO compile every file below ``src``, so there is no example in it."""
     need("gcc", "nm")
     files = of_gallery("pioneer3dx", kind)
     put(tmp_path, files)
@@ -162,7 +162,7 @@ CALLS = {
 @pytest.mark.parametrize("compiler", ["g++", "clang++"])
 @pytest.mark.slow
 def test_the_header_for_cpp(robot: str, compiler: str, tmp_path: Path) -> None:
-    """Strict C++17; views are of the variables themselves, in the order of the joints."""
+    """The header is strict C++17; views point to the variables, in the order of the joints."""
     need("gcc", compiler)
     put(tmp_path, of_gallery(robot, "cmake"))
     (tmp_path / "main.cpp").write_text(CPP.format(robot, CALLS[robot], robot.upper()))
@@ -173,7 +173,7 @@ def test_the_header_for_cpp(robot: str, compiler: str, tmp_path: Path) -> None:
 
 
 def test_the_header_for_cpp_has_every_function(tmp_path: Path) -> None:
-    """Also those that take structs of their own, pass covariances or give scalars."""
+    """This includes functions with their own structs, with covariances, and with scalar outputs."""
     need("g++")
     robot = tmp_path / "pair.yaml"
     robot.write_text(
@@ -191,17 +191,17 @@ def test_the_header_for_cpp_has_every_function(tmp_path: Path) -> None:
     assert declared == re.findall(r"^inline void (\w+)\(", text, re.MULTILINE)
 
 
-def test_a_description_is_quoted_in_every_language(told: Path) -> None:
-    library = json.loads(files_of(told, "platformio")["library.json"])
+def test_a_description_is_quoted_in_every_language(quoted_robot: Path) -> None:
+    library = json.loads(files_of(quoted_robot, "platformio")["library.json"])
     assert library["description"] == SAID
-    component = yaml.safe_load(files_of(told, "esp-idf")["idf_component.yml"])
+    component = yaml.safe_load(files_of(quoted_robot, "esp-idf")["idf_component.yml"])
     assert component["description"] == SAID
-    lines = files_of(told, "arduino")["library.properties"].decode().splitlines()
+    lines = files_of(quoted_robot, "arduino")["library.properties"].decode().splitlines()
     assert f"sentence={SAID}" in lines
     for kind in KINDS:
-        assert f"\n\n    {SAID}\n\n" in files_of(told, kind)["README.md"].decode()
+        assert f"\n\n    {SAID}\n\n" in files_of(quoted_robot, kind)["README.md"].decode()
     if "ros2" in PACKAGES:
-        package = xml.etree.ElementTree.fromstring(files_of(told, "ros2")["package.xml"])
+        package = xml.etree.ElementTree.fromstring(files_of(quoted_robot, "ros2")["package.xml"])
         assert package.findtext("description") == SAID
 
 
@@ -217,7 +217,7 @@ def test_arduino_s_properties() -> None:
     assert re.fullmatch(r"[A-Za-z0-9][\w .-]{0,62}", fields["name"])
     assert f"{SOURCES}/{fields['includes']}" in files
     for name in files:
-        if name.startswith("examples/"):  # a sketch is called as its folder
+        if name.startswith("examples/"):  # a sketch has the name of its folder
             _, folder, file = name.split("/")
             assert file == f"{folder}.ino"
     words = [line.split("\t") for line in files["keywords.txt"].decode().splitlines()]

@@ -1,4 +1,4 @@
-"""Names as people have them: FL, frontRight and a robot MyBot stay as they are in every output, which compiles."""
+"""Names in mixed case (FL, frontRight, MyBot) are unchanged in all outputs, which compile."""
 
 from __future__ import annotations
 
@@ -83,9 +83,9 @@ def test_backends_agree(backend: str, robot: Path) -> None:
     derivation = derive(load(robot), ("inverse",))
     module = getattr(derivation, BACKENDS[backend].source)
     (exact,) = BACKENDS["numpy"].evaluate(derivation.module, [("inverse", CASE)], {})
-    (told,) = BACKENDS[backend].evaluate(module, [("inverse", CASE)], choice().words())
-    assert {"FL.spin", "frontRight.steer", "Rear_.spin"} <= told.keys()
-    assert told == pytest.approx({name: exact[name] for name in told}, rel=1e-5, abs=1e-5)
+    (computed,) = BACKENDS[backend].evaluate(module, [("inverse", CASE)], choice().words())
+    assert {"FL.spin", "frontRight.steer", "Rear_.spin"} <= computed.keys()
+    assert computed == pytest.approx({name: exact[name] for name in computed}, rel=1e-5, abs=1e-5)
 
 
 @pytest.mark.slow

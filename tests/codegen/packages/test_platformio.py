@@ -1,4 +1,4 @@
-"""The PlatformIO library, built by `pio run` for the host, offline: platform and SCons are put where it looks."""
+"""The PlatformIO library, built by `pio run` for the host and offline; platform and SCons are provided locally."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ int main(void) {{ return {0}_selftest(); }}
 
 
 def _core(folder: Path) -> None:
-    """What PlatformIO would download: a platform of the host's gcc, and SCons, which PyPI has in the same version."""
+    """Provide what PlatformIO would download: a platform with the host's gcc, and SCons from PyPI."""
     ask = "from platformio.dependencies import get_core_dependencies as of; print(of()['tool-scons'].lstrip('~'))"
     version = run(folder, reader(), "-c", ask).strip()
     scons = {"name": "tool-scons", "version": version}

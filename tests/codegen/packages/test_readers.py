@@ -1,4 +1,4 @@
-"""What reads components of ESP-IDF and options of Zephyr, their own libraries, accepts ours."""
+"""The libraries that read ESP-IDF components and Zephyr options accept the packages."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_the_component_manager_reads_the_manifest(tmp_path: Path) -> None:
 
 
 def test_kconfig_reads_the_options(tmp_path: Path) -> None:
-    """As Zephyr's tree includes them; the self-test is off unless asked for, the FPU on where there is one."""
+    """The options are included as in Zephyr's tree. By default the self-test is off, and the FPU on if there is one."""
     place = in_folder(tmp_path, "pioneer3dx", "zephyr")
     top = f'config FPU\n\tbool "FPU"\nsource "{place}/zephyr/Kconfig"\n'
     (tmp_path / "Kconfig").write_text(top)

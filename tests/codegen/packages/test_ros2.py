@@ -24,7 +24,7 @@ WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wno-float-conversion -Werror"
 
 
 def node(folder: Path, robot: str) -> Path:
-    """The node of a package, built with the package's own CMakeLists.txt."""
+    """Build the node of a package with the package's CMakeLists.txt."""
     need("cmake", "ctest", "g++", "gcc")
     run(
         folder,
@@ -40,7 +40,7 @@ def node(folder: Path, robot: str) -> Path:
 
 
 def spoken(program: Path, events: Sequence[str]) -> list[list[str]]:
-    """What the node publishes of these events, by words."""
+    """Return what the node publishes for these events."""
     done = subprocess.run([program], input="\n".join(events), capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
     return [line.split() for line in done.stdout.splitlines()]
@@ -64,7 +64,7 @@ PAIR = DIFFERENTIAL + "limits: {vx: 1, omega: 2}\n"
 
 
 def pair(folder: Path, text: str) -> Path:
-    """The node of a differential drive whose robot file is ``text``."""
+    """Build the node of a differential drive with the robot file ``text``."""
     robot = folder / "pair.yaml"
     robot.write_text(text)
     put(folder / "pair", files_of(robot, "ros2"))
@@ -73,7 +73,7 @@ def pair(folder: Path, text: str) -> Path:
 
 @pytest.mark.slow
 def test_a_differential_drive_drives_a_circle(tmp_path: Path) -> None:
-    """Wheels that do what they are told, for 2 s: then the pose is on the circle of the command."""
+    """Wheels follow their commands for 2 s: the pose is then on the commanded circle."""
     program = pair(tmp_path, PAIR)
     vx, omega, radius, half = 0.4, 0.5, 0.0975, 0.1655
     left, right = (vx - half * omega) / radius, (vx + half * omega) / radius
@@ -81,8 +81,8 @@ def test_a_differential_drive_drives_a_circle(tmp_path: Path) -> None:
     events += [
         f"joint_states {10 + k / 50} right_spin {right} 7 other 3 3 left_spin {left} 7" for k in range(101)
     ]
-    said = spoken(program, events)
-    odometry = [[float(w) for w in words[1:]] for words in said if words[0] == "odom"]
+    published = spoken(program, events)
+    odometry = [[float(w) for w in words[1:]] for words in published if words[0] == "odom"]
     assert len(odometry) == 100
     x, y, qz, qw, *twist = odometry[-1][:7]
     turn = omega * 2
@@ -93,38 +93,38 @@ def test_a_differential_drive_drives_a_circle(tmp_path: Path) -> None:
     pose = odometry[-1][7:43]
     assert [pose[i] for i in (0, 7, 35)] == [1e-3] * 3 and [pose[i] for i in (14, 21, 28)] == [1e6] * 3
 
-    commands = [words[1:] for words in said if words[0] == "joint_commands"]
+    commands = [words[1:] for words in published if words[0] == "joint_commands"]
     assert len(commands) == 101 and commands[0][0::3] == ["left_spin", "right_spin"]
     assert [float(w) for w in commands[0][1::3]] == pytest.approx([left, right], rel=1e-6)
     assert all(isnan(float(w)) for w in commands[0][2::3])
 
 
 @pytest.mark.slow
-def test_what_is_old_broken_or_of_others_moves_nothing(tmp_path: Path) -> None:
+def test_old_invalid_or_foreign_messages_move_nothing(tmp_path: Path) -> None:
     program = pair(tmp_path, PAIR)
     turning = "left_spin 1 0 right_spin 1 0"
-    said = spoken(
+    published = spoken(
         program,
         [
             "clock 1", "cmd_vel 0.1 0 0",
-            "joint_states 1 gripper 1 0",                    # of others: nothing is said
-            f"joint_states 1 {turning}",                     # the first: commands alone
+            "joint_states 1 gripper 1 0",                    # joints of another node: ignored
+            f"joint_states 1 {turning}",                     # the first message: commands only
             f"joint_states 1.1 left_spin {nan} 0 right_spin 1 0",  # a warning, no odometry
             "clock 2", f"joint_states 1.2 {turning}",        # the command is a second old
-            "cmd_vel 99 0 0", f"joint_states 1.3 {turning}",  # faster than its limits: it stops
-            f"joint_states 0.5 {turning}",                   # a log starts anew
+            "cmd_vel 99 0 0", f"joint_states 1.3 {turning}",  # faster than its limits: the robot stops
+            f"joint_states 0.5 {turning}",                   # a log restarts
         ],
     )  # fmt: skip
-    assert [words[0] for words in said] == [
+    assert [words[0] for words in published] == [
         "joint_commands",
         "warning", "joint_commands",
         "odom", "joint_commands",
         "odom", "warning", "joint_commands",
         "warning", "joint_commands",
     ]  # fmt: skip
-    speeds = [float(words[2]) for words in said if words[0] == "joint_commands"]
+    speeds = [float(words[2]) for words in published if words[0] == "joint_commands"]
     assert speeds[0] > 0 and speeds[2:] == [0, 0, 0]
-    travelled = [float(words[1]) for words in said if words[0] == "odom"]
+    travelled = [float(words[1]) for words in published if words[0] == "odom"]
     assert travelled == pytest.approx([0.00975, 0.0195], abs=1e-6)
 
 
@@ -136,7 +136,7 @@ def test_a_swerve_drive_is_commanded_by_position_and_velocity(tmp_path: Path) ->
     still = " ".join(f"{m}_spin 0 9 {m}_steer 9 0.1" for m in modules)
     events = ["clock 1", "cmd_vel 0 1 0", f"joint_states 1 {still}", f"joint_states 2 {still}"]
     commanded = [words for words in spoken(program, events) if words[0] == "joint_commands"]
-    first = commanded[1]  # at the first, no time has passed for the limits of acceleration
+    first = commanded[1]  # in the first step, no time has passed for the limits of acceleration
     commands = {
         name: (float(v), float(p)) for name, v, p in zip(first[1::3], first[2::3], first[3::3], strict=True)
     }
@@ -150,22 +150,22 @@ def test_a_swerve_drive_is_commanded_by_position_and_velocity(tmp_path: Path) ->
         f"joint_states {k} " + " ".join(f"{m}_spin 0 9 {m}_steer 9 {k / 10}" for m in modules)
         for k in range(1, 5)
     ]
-    said = [words for words in spoken(program, resting) if words[0] == "joint_commands"]
-    angles = [float(words[6]) for words in said]
-    assert angles == pytest.approx([0.1] * 4)  # as they stand at first, whatever is measured later
+    published = [words for words in spoken(program, resting) if words[0] == "joint_commands"]
+    angles = [float(words[6]) for words in published]
+    assert angles == pytest.approx([0.1] * 4)  # the initial commands; later measurements have no effect
 
 
 FLAGS = ("-std=c++17", *WARNINGS.split(), f"-I{STUBS / 'include'}")
 
 
 def included(node: str) -> str:
-    """What a node takes from the standard library and from ROS."""
+    """The headers that a node includes from the standard library and from ROS."""
     return "".join(line for line in node.splitlines(keepends=True) if line.startswith("#include <"))
 
 
 @pytest.fixture(scope="module")
 def header(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What every node includes, compiled once."""
+    """Compile the headers that every node includes, once."""
     need("g++")
     folder = tmp_path_factory.mktemp("header")
     (folder / "node.hpp").write_text(
@@ -178,7 +178,7 @@ def header(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.slow
 @pytest.mark.parametrize("robot", sorted(GALLERY - {"office_chair"}))
 def test_the_node_of_every_robot_compiles(robot: str, header: Path, tmp_path: Path) -> None:
-    """The chair has neither motors nor sensors, and no node."""
+    """The chair has neither motors nor sensors, so it has no node."""
     put(tmp_path, of_gallery(robot, "ros2"))
     node = tmp_path / "node" / f"{robot}_node.cpp"
     assert included(node.read_text()) == header.read_text()
@@ -196,8 +196,8 @@ def test_covariance_is_propagated_where_the_robot_file_has_noise(tmp_path: Path)
     speeds = [(3.0, 5.0), (4.0, 2.0), (1.0, -1.0)]
     events = ["joint_states 0 left_spin 0 0 right_spin 0 0"]
     events += [f"joint_states {k / 4} left_spin {a} 0 right_spin {b} 0" for k, (a, b) in enumerate(speeds, 1)]
-    said = spoken(pair(tmp_path, NOISY), events)
-    odometry = [[float(w) for w in words[1:]] for words in said if words[0] == "odom"]
+    published = spoken(pair(tmp_path, NOISY), events)
+    odometry = [[float(w) for w in words[1:]] for words in published if words[0] == "odom"]
 
     module = derive(load(tmp_path / "pair.yaml")).module
     state = dict.fromkeys([p.name for p in (*POSE, *POSE_COVARIANCE)], 0.0) | {"dt": 0.25}

@@ -1,4 +1,4 @@
-"""Programs for whole boards: generated C, inputs and the interpreter's outputs, compared bit for bit on the board."""
+"""Programs for emulated boards, which compare generated C with the interpreter bit for bit."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from tests.conftest import put
 from tests.ir.selftest.every import files_of, place_of
 from wmrgen.codegen.c import sources
 from wmrgen.codegen.c.emit import unit
-from wmrgen.codegen.c.records import Step
+from wmrgen.codegen.c.functions import call
+from wmrgen.codegen.unit import Step
 from wmrgen.ir.interpret import evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
@@ -80,7 +81,7 @@ def _word(value: float) -> int:
 
 
 def _calls_libm(module: Module, step: Step, target: str) -> bool:
-    """Whether the interpreter would need the board's libm."""
+    """Return whether the interpreter would need the board's libm."""
     function = expand(module, "float", DEFAULT.math, target).function(
         step.name.removeprefix(f"{module.name}_")
     )
@@ -88,7 +89,7 @@ def _calls_libm(module: Module, step: Step, target: str) -> bool:
 
 
 def _check(module: Module, step: Step, target: str, count: int) -> str:
-    """``static int check_<function>(void)``: how many outputs have other bits than the interpreter's."""
+    """Return ``static int check_<function>(void)``, which counts outputs with other bits than the interpreter's."""
     name = step.name.removeprefix(f"{module.name}_")
     cases = list(inputs(module, module.function(name), count))[: 1 + count]
     computed = expand(module, "float", DEFAULT.math, target)
@@ -101,7 +102,7 @@ def _check(module: Module, step: Step, target: str, count: int) -> str:
         *(f"        {kind} {name};" for name, kind in step.variables.items()),
     ]  # fmt: skip
     lines += [f"        {m} = number(in_{step.name}[k][{i}]);" for i, m in enumerate(step.inputs.values())]
-    lines += [f"        {step.call()};"]
+    lines += [f"        {call(step)};"]
     lines += [
         f"        wrong += word({m}) != out_{step.name}[k][{i}];" for i, m in enumerate(step.outputs.values())
     ]
@@ -109,7 +110,7 @@ def _check(module: Module, step: Step, target: str, count: int) -> str:
 
 
 def write(folder: Path, modules: Sequence[Module], target: str, count: int) -> list[str]:
-    """The C files of ``int check(void)``: all functions that call nothing and need no parameters."""
+    """Write the C files of ``int check(void)`` for all functions that call nothing and need no parameters."""
     parts = ["#include <stdint.h>", *(f'#include "{module.name}.h"' for module in modules)]
     parts += ["static float number(uint32_t u) { union { uint32_t u; float x; } v = {u}; return v.x; }"]
     parts += ["static uint32_t word(float x) { union { float x; uint32_t u; } v = {x}; return v.u; }"]
@@ -136,7 +137,7 @@ def write(folder: Path, modules: Sequence[Module], target: str, count: int) -> l
 
 
 def cortex_m(folder: Path, files: Sequence[str], processor: str) -> Path:
-    """The program for a board of QEMU whose memory begins with the vector table."""
+    """Write the program for a board of QEMU whose memory begins with the vector table."""
     (folder / "start.c").write_text(START.replace("main", "check"))
     (folder / "board.ld").write_text(
         "SECTIONS { . = 0; .text : { KEEP(*(.vectors)) *(.text*) *(.rodata*) } . = 0x20000000; .data : { *(.data*) }"
@@ -159,7 +160,8 @@ def cortex_m(folder: Path, files: Sequence[str], processor: str) -> Path:
 
 
 def self_test(folder: Path, robot: str, target: str) -> list[str]:
-    """The C files of ``int check(void)``: the self-test that ``derive --target`` writes for a robot of the gallery."""
+    """Write the C files of ``int check(void)``: the self-test that ``derive --target`` writes for a robot of the
+    gallery."""
     put(folder, files_of(robot, target=target))
     text = "int check(void);\nint {0}_selftest(void);\nint check(void) {{ return {0}_selftest(); }}\n"
     (folder / "check.c").write_text(text.format(robot))
@@ -174,7 +176,7 @@ def atmega(folder: Path, files: Sequence[str], flags: Sequence[str] = (), chip: 
 
 
 def said(*command: str | Path) -> str:
-    """What the emulator prints."""
+    """Run the emulator and return what it prints."""
     words = [str(word) for word in command]
     done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
     return done.stdout + done.stderr

@@ -28,17 +28,17 @@ EDGES = (
 
 @cache
 def host() -> Libm:
-    """The interpreter's float32 arithmetic and what answers the emulator's libm: the same functions."""
+    """Return the interpreter's float32 arithmetic, whose functions are also the emulator's libm."""
     return libm("float")
 
 
 def every() -> tuple[Module, ...]:
-    """The gallery and the modules of the backends' contract tests."""
+    """Return the gallery and the modules of the backends' contract tests."""
     return (*MODULES, *gallery())
 
 
 def inputs(module: Module, function: Function, count: int) -> Iterator[dict[str, float]]:
-    """Standstill, ``count`` random inputs, and as many drawn from `EDGES`. Float32 values."""
+    """Yield standstill, ``count`` random inputs, and as many from `EDGES`, all as float32 values."""
     drawn = samples(module, function, count)
     for case in [drawn[0], *drawn[-count:]]:
         yield {name: rounded(value) for name, value in case.items()}
@@ -54,7 +54,7 @@ def rounded(value: float) -> float:
 
 
 def fleet(target: Target, folder: Path, modules: Sequence[Module], math: str, small: bool = False) -> Fleet:
-    """``modules`` in an emulated processor, libm's functions answered by the interpreter's."""
+    """Load ``modules`` into an emulated processor; the interpreter's functions are its libm."""
     known = answers(host().arithmetic)
     return Fleet.build(
         folder,
@@ -68,7 +68,7 @@ def fleet(target: Target, folder: Path, modules: Sequence[Module], math: str, sm
 
 
 def mismatches(made: Fleet, math: str, count: int) -> tuple[int, list[str]]:
-    """How many calls were made of every function of every robot, and each output that has other bits."""
+    """Return the number of calls of every function of every robot, and the outputs with other bits."""
     calls, wrong = 0, []
     for module in made.modules:
         computed = expand(module, "float", math, made.target.name)

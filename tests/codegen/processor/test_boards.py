@@ -1,4 +1,4 @@
-"""Generated C on whole emulated boards, built by the GNU toolchains that firmware uses: the interpreter's bits."""
+"""Generated C gives the interpreter's bits on emulated boards, built with the GNU toolchains that firmware uses."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from tests.external_tools import need
 from tests.ir.selftest.every import NAMES
 from tests.robots import of_gallery
 
-RAM = 64  # bytes of an ATmega328P's 2,048 that a program of the self-test takes beside its stack
-FLASH = 32_256  # bytes that Arduino's boot loader leaves of it
+RAM = 64  # bytes of RAM for the self-test without its stack, of an ATmega328P's 2,048
+FLASH = 32_256  # bytes of flash that Arduino's boot loader leaves
 ROBOTS = ("clearpath_do100", "lekiwi", "nomad_xr4000", "wpilib_swervebot")
 BOARDS = pytest.mark.parametrize(("processor", "board"), [("m4f", "mps2-an386"), ("m0", "microbit")])
 
@@ -73,7 +73,7 @@ def test_a_wrong_bit_is_seen_on_atmega(tmp_path: Path) -> None:
 
 
 def static(program: Path) -> tuple[int, int]:
-    """Bytes of RAM and of flash that a program for an AVR takes."""
+    """Return the bytes of RAM and of flash of a program for an AVR."""
     sizes = Image(program).sizes()
     ram = sizes.get(".data", 0) + sizes.get(".bss", 0) + sizes.get(".rodata", 0)
     return ram, sizes[".text"] + sizes.get(".data", 0)
@@ -82,11 +82,11 @@ def static(program: Path) -> tuple[int, int]:
 @pytest.mark.parametrize("few", [False, True], ids=["all", "few"])
 @pytest.mark.parametrize("robot", everyday(NAMES, ("turtlebot3_burger", "ackermann_car")))
 def test_the_self_test_on_atmega(robot: str, few: bool, tmp_path: Path) -> None:
-    """Its tables stay in flash; a quarter of them where that is asked for."""
+    """The tables are in flash; with SELFTEST_FEW only a quarter of them is compiled."""
     files = boards.self_test(tmp_path, robot, "avr")
     # All tables and the code take 33 to 35 kB of 32.
     few = few or robot in ("pioneer3dx", "kelly_4ws", "neobotix_mpo_700")
-    large = robot in ("wpilib_swervebot", "pr2")  # the code of all that they ask for takes 32 kB
+    large = robot in ("wpilib_swervebot", "pr2")  # the code of all their functions takes 32 kB
     flags = (f"-D{robot.upper()}_SELFTEST_FEW",) if few else ()
     assert "the same" in on_simavr(tmp_path, files, flags, "atmega1280" if large else "atmega328p")
     ram, flash = static(tmp_path / "avr.elf")
@@ -94,7 +94,7 @@ def test_the_self_test_on_atmega(robot: str, few: bool, tmp_path: Path) -> None:
 
 
 def test_a_compiler_that_tells_of_no_option_keeps_the_order_of_sums(tmp_path: Path) -> None:
-    """avr-gcc 5.4 and -funsafe-math-optimizations: the same machine code as without, which it is not unguarded."""
+    """avr-gcc 5.4 gives the same machine code with -funsafe-math-optimizations as without; unguarded code differs."""
     need("avr-gcc")
     avr = gcc.PROCESSORS["avr"]
     boards.self_test(tmp_path, "ackermann_car", "avr")

@@ -1,4 +1,4 @@
-"""Budgets: measured on the emulated Cortex-M4F, the same every time, and any growth is told."""
+"""Budgets: measured on the emulated Cortex-M4F, reproducible, and any growth is reported."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_update_then_check(measured: dict[str, Budget], tmp_path: Path) -> None:
         (lambda b: b.update(format=0), "measured with"),
     ],
 )
-def test_growth_is_told(measured: dict[str, Budget], change: object, told: str) -> None:
+def test_growth_is_reported(measured: dict[str, Budget], change: object, told: str) -> None:
     now = measured["lekiwi"]
     was = copy.deepcopy(now)
     assert growth(was, now) == []
@@ -62,7 +62,7 @@ def test_growth_is_told(measured: dict[str, Budget], change: object, told: str) 
     assert any(line.startswith(told) for line in growth(was, now))
 
 
-def test_less_is_no_growth(measured: dict[str, Budget]) -> None:
+def test_a_decrease_is_not_reported(measured: dict[str, Budget]) -> None:
     was = copy.deepcopy(measured["lekiwi"])
     was["functions"]["forward"]["instructions"] += 1
     was["functions"]["gone"] = was["functions"]["forward"]
@@ -81,8 +81,8 @@ def test_the_check_fails_and_says_what_to_do(
     assert caught.value.code == 1
 
 
-def test_wmrgen_leaves_a_budget_where_it_stands(tmp_path: Path) -> None:
-    """`derive` does not measure: the file belongs to `benchmarks`, and `check` does not call it a stranger."""
+def test_derive_keeps_budget_files(tmp_path: Path) -> None:
+    """`derive` does not measure. The file belongs to `benchmarks`, and `check` does not report it as unknown."""
     place = tmp_path / "robot"
     write_tree(place, {"a.c": b"1"})
     (place / BUDGET).write_bytes(b"{}")
@@ -97,7 +97,7 @@ def test_wmrgen_leaves_a_budget_where_it_stands(tmp_path: Path) -> None:
     ("robot", "fit", "most"), [("pioneer3dx", "forward", 400), ("wpilib_swervebot", "forward_slip", 1200)]
 )
 def test_the_loop_with_covariance(robot: str, fit: str, most: int) -> None:
-    """From measured joints to commands, as budget.json has it, counters too."""
+    """The budget of a control step, from measured joints to commands, includes counters."""
     budget = budgets.read(budgets.GENERATED / robot / BUDGET)
     assert budget is not None
     loop = ("joints_from_counts", fit, "forward_covariance", "odometry_covariance", "limit_twist",

@@ -1,5 +1,5 @@
-"""Readings of encoders that wrap: the C takes their differences as whole numbers do, on the host, a Cortex-M4F and an
-AVR, whose int has 16 bits."""
+"""Readings of encoders that wrap: the C computes correct differences on the host, a Cortex-M4F and an AVR, whose int
+has 16 bits."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ wheels:
   - {name: g, type: castor, x: 1, y: 1, d: 0.1, heading: 0, r: 0.1, actuated: [steer], encoder: {steer: {counts: 255, modulus: 255, offset: 3}}}
 functions: [joints_from_counts]
 """  # noqa: E501
-# Encoder: where it wraps, the bits of its member.
+# Encoder: its modulus, the bits of its member.
 WRAPS = {"a.spin": (2**16, 16), "b.spin": (2**32, 32), "c.steer": (2**16, 16), "e.spin": (9000, 16),
          "e.steer": (4096, 16), "f.spin": (2**24, 32), "g.steer": (255, 8)}  # fmt: skip
 OFFSETS = {"e.steer": 77, "g.steer": 3}
@@ -55,19 +55,20 @@ def module() -> Module:
 
 
 def difference(encoder: str, now: int, last: int) -> int:
-    """That of two readings, nearest to zero."""
+    """Return the difference of two readings that is nearest to zero."""
     modulus = WRAPS[encoder][0]
     return (now - last + modulus // 2) % modulus - modulus // 2
 
 
 def counts(now: int, last: int) -> dict[str, int]:
-    """What encoders count that all stand so, by port."""
+    """Return the counts of encoders with these readings, by port."""
     ports = {f"{e}_counts": difference(e, now, OFFSETS.get(e, last)) for e in WRAPS}
     return ports | {"g.steer_rate_counts": difference("g.steer", now, last)}
 
 
 def program(folder: Path, choice: Choice, lie: int = 0) -> list[str]:
-    """The C files of ``int check(void)``: how many joints are not those of the differences plus ``lie``."""
+    """Write the C files of ``int check(void)``, which counts joints that are not those of the differences plus
+    ``lie``."""
     for ending, text in zip("hc", sources(module(), choice), strict=True):
         (folder / f"counted.{ending}").write_text(text)
     lines = ['#include "counted.h"', "int check(void);", "int check(void)", "{", "    int wrong = 0;"]
@@ -101,7 +102,7 @@ def test_on_the_host(lie: int, tmp_path: Path) -> None:
 
 
 def test_the_function_of_differences_has_them_in_every_case() -> None:
-    """What the counters are compared with: 2 pi over counts and dt."""
+    """The expected joints: 2 pi over counts and dt."""
     cases = [
         {k: float(v) for k, v in counts(*pair).items()} | {"dt": 0.01, "c.steer": BEFORE} for pair in PAIRS
     ]
@@ -145,8 +146,10 @@ int check(void)
 
 @pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 def test_a_steering_angle_beyond_its_counter(tmp_path: Path) -> None:
-    """A 16-bit counter with 43,886 counts a turn wraps after 1.5 turns. Here the joint turns 21 times, in floats, and
-    comes back: no error adds up."""
+    """A 16-bit counter with 43,886 counts per revolution wraps after 1.5 revolutions.
+
+    The joint makes 21 revolutions and returns, in floats: errors do not accumulate.
+    """
     files = program(tmp_path, Choice())
     (tmp_path / "check.c").write_text(WINDING)
     (tmp_path / "main.c").write_text(MAIN)

@@ -1,4 +1,4 @@
-"""The example of a robot on an emulated board: after its figure the pose has the bits of the host."""
+"""The example of a robot on an emulated board: after the figure, the pose has the same bits as on the host."""
 
 from __future__ import annotations
 

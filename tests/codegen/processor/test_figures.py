@@ -1,4 +1,4 @@
-"""The tables of docs/benchmarks.md promise few instructions, the same for every input, far fewer than CasADi's."""
+"""Claims of the tables in docs/benchmarks.md: few instructions, the same for every input, far fewer than CasADi's."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ from wmrgen.ir.calls import nominal
 from wmrgen.ir.interpret import FLOAT32
 from wmrgen.ir.kernels.choice import MATHS
 
-RETURN = 1  # the instruction that returns, which the limits leave out
+RETURN = 1  # the return instruction, which the limits do not count
 
 
 def test_the_page_has_every_row() -> None:
-    """Both Cortex-M and the bytes have all jobs, WPILib what it offers; each choice of mathematics has its column."""
+    """Both Cortex-M and the sizes have all jobs, WPILib those that it offers; each choice of mathematics has a
+    column."""
     text = figures.between(PAGE.read_text(encoding="utf-8"))
     rows = Counter((row[0], row[1]) for row in figures.rows(text))
     for job in JOBS:
@@ -47,15 +48,15 @@ def test_update_replaces_what_stands_between_the_markers(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("text", ["none", f"{BEGIN} alone", f"{END} {BEGIN}", f"{BEGIN} {BEGIN} {END}"])
-def test_markers_that_do_not_fit_are_told(text: str) -> None:
-    with pytest.raises(ValueError, match="the page needs one"):
+def test_missing_or_misplaced_markers_are_an_error(text: str) -> None:
+    with pytest.raises(ValueError, match=BEGIN.split()[1]):
         figures.between(text)
 
 
 BRANCHLESS = [j for j in JOBS if j.function == "forward" or "castor" in j.layout]
 
 
-# Of forward, the car's is everyday; the castors have both.
+# For forward, the everyday test is the car; the castors have both functions.
 @pytest.mark.parametrize(
     "job",
     everyday(BRANCHLESS, [j for j in BRANCHLESS if "castor" in j.layout or j.robot == "ackermann_car"]),
@@ -78,7 +79,7 @@ def benches(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Bench]:
 
 @pytest.mark.slow
 def test_no_more_instructions_than_the_limits(benches: dict[str, Bench]) -> None:
-    """What libm needs depends on its arguments: there the hand-written code on the same inputs counts too."""
+    """The cost of libm depends on its arguments, so the hand-written code is measured on the same inputs."""
     over = []
     for math, bench in benches.items():
         for job in (j for j in JOBS if j.libm):
@@ -89,7 +90,7 @@ def test_no_more_instructions_than_the_limits(benches: dict[str, Bench]) -> None
     assert over == []
 
 
-# Instructions and modelled cycles of commit 9bb0977b, inline: of each row of the table, and of odometry.
+# Instructions and modelled cycles of each row of the table and of odometry at commit 9bb0977b, with inline kernels.
 BEFORE = {
     "textbook_differential inverse": (11.0, 17.0), "textbook_differential forward": (13.0, 22.0),
     "clearpath_do100 inverse": (19.0, 29.0), "clearpath_do100 forward": (20.0, 31.0),
@@ -104,7 +105,8 @@ BEFORE = {
 
 @pytest.mark.slow
 def test_no_more_cycles_than_when_fewest_instructions_counted(benches: dict[str, Bench]) -> None:
-    """Issue 38; a product and a sum in place of an instruction of three cycles may take more instructions: to 1.15."""
+    """A product and a sum that replace an instruction of three cycles may increase instructions, up to a factor of
+    1.15."""
     counts = {job: benches["inline"].count(job) for job in (*JOBS, ODOMETRY)}
     assert {str(job) for job in counts} == set(BEFORE)
     over = [
@@ -118,7 +120,7 @@ def test_no_more_cycles_than_when_fewest_instructions_counted(benches: dict[str,
 @pytest.mark.slow
 @pytest.mark.parametrize("job", JOBS, ids=str)
 def test_other_generators_compute_the_same(job: Job, benches: dict[str, Bench]) -> None:
-    """So that their counts are of the same job."""
+    """Their counts are then for the same job."""
     bench = benches["libm"]
     every = inputs(bench.fleet.inputs(bench.step(job)), {}, job.robot)
     for case in list(every)[:6]:
@@ -135,7 +137,7 @@ def test_other_generators_compute_the_same(job: Job, benches: dict[str, Bench]) 
 @pytest.mark.slow
 @pytest.mark.parametrize("job", [job for job in JOBS if job.trigonometry], ids=str)
 def test_casadi_needs_40_times_as_many(job: Job, benches: dict[str, Bench]) -> None:
-    """Where there are angles: its float code calls double sines."""
+    """For functions with angles, its float code calls double sines."""
     others = benches["libm"].other(job, "casadi")
     assert others is not None
     assert others.mean >= 40 * benches["inline"].count(job).mean

@@ -19,7 +19,7 @@ from wmrgen.ir.nodes import Module
 @pytest.mark.slow
 @pytest.mark.parametrize("key", SHOWN)
 def test_the_gallery_compiles_and_its_stack_is_known(key: str) -> None:
-    """No function has a stack that depends on its input: `measure` refuses that."""
+    """No function has a stack that depends on its input; `measure` would fail."""
     need(PROCESSORS[key].compiler)
     found = measure(gallery(), PROCESSORS[key])
     assert {f"{m.name}_{f.name}" for m in gallery() for f in m.functions if f.outputs} <= set(found)
@@ -60,7 +60,7 @@ def of(robot: str) -> Module:
 @pytest.mark.slow
 @pytest.mark.parametrize("key", SHOWN)
 def test_called_kernels_are_never_larger(key: str) -> None:
-    """A robot's kinematics, and the swerve's to at most three quarters."""
+    """The kinematics of a robot get smaller, those of the swerve drive to at most three quarters."""
     need(PROCESSORS[key].compiler)
     for robot, most in (("wpilib_swervebot", 0.79), ("lekiwi", 1.0)):
         module = of(robot)
@@ -71,7 +71,7 @@ def test_called_kernels_are_never_larger(key: str) -> None:
 
 @pytest.mark.parametrize("robot", ["wpilib_swervebot", "agilex_ranger"])
 def test_four_wheels_as_usual(robot: str) -> None:
-    """Issues 4 and 13: forward in at most 1450 bytes, with 64 bytes of stack."""
+    """The function forward takes at most 1450 bytes, with 64 bytes of stack."""
     need(PROCESSORS["m4f"].compiler)
     found = on_m4f(robot, False)[f"{robot}_forward"]
     assert found.text <= 1450

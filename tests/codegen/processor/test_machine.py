@@ -67,7 +67,7 @@ def test_the_count_does_not_depend_on_what_an_it_block_skips(machine: Machine, n
     ],
 )
 def test_cycles_are_those_of_the_manual(machine: Machine, name: str, cycles: int) -> None:
-    """Of each instruction in turn."""
+    """For each instruction in turn."""
     assert machine.call(name, 0x2000_1000).cycles == cycles
 
 
@@ -86,7 +86,9 @@ def test_the_stack_is_measured(machine: Machine) -> None:
     assert machine.call("three", 1, 2).stack == 0
 
 
-def test_what_does_not_return_is_an_error(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_function_that_does_not_return_is_an_error(
+    machine: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("benchmarks.emulator.machine.LIMIT", 1000)
     with pytest.raises(RuntimeError, match="forever did not return"):
         machine.call("forever")
@@ -97,7 +99,7 @@ def test_objects_are_read_from_the_image(machine: Machine) -> None:
     assert machine.image.undefined == frozenset()
 
 
-def test_a_c_error_is_told(tmp_path: Path) -> None:
+def test_a_c_error_is_reported(tmp_path: Path) -> None:
     (tmp_path / "wrong.c").write_text("int f(void) { return missing; }\n")
     with pytest.raises(RuntimeError, match="missing"):
         compile_objects(tmp_path, ("wrong.c",), M4F)

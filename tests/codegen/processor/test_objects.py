@@ -1,4 +1,4 @@
-"""What the objects of generated C reference: in a float build never a routine for double."""
+"""References of the objects of generated C: a float build never calls a routine for double."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ DOUBLE = r"__aeabi_([cd]d?\w*|\w+2d|d\w+)|__\w+df\w*|(sin|cos|atan2?|sqrt|fabs|f
 def undefined(
     folder: Path, modules: Sequence[Module], target: Target, scalar: str = "float"
 ) -> frozenset[str]:
-    """What the object of ``modules`` references."""
+    """Return the symbols that the object of ``modules`` references."""
     write_sources(
         folder,
         modules,
@@ -41,7 +41,7 @@ def undefined(
 
 
 def check(found: frozenset[str], target: Target, math: str) -> None:
-    """An allow-list, so that a routine nobody thought of is found too."""
+    """An allow-list finds unexpected routines, too."""
     allowed = "|".join([*([LIBM] if math == "libm" else []), *([] if target.fpu else [SOFT])])
     assert ("sinf" in found) == (math == "libm")
     assert {name for name in found if not re.fullmatch(allowed, name)} == set()
@@ -49,7 +49,7 @@ def check(found: frozenset[str], target: Target, math: str) -> None:
 
 
 def test_no_double_routine_on_cortex_m4f(built: Built) -> None:
-    """The whole gallery. Where there is an FPU, kernels of its own leave nothing to call."""
+    """For the whole gallery. With an FPU and inline kernels, nothing is called."""
     check(Image(built(M4F, DEFAULT.math).objects[EVERY]).undefined, M4F, DEFAULT.math)
 
 

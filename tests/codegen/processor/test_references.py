@@ -1,4 +1,5 @@
-"""The hand-written references compute what wmrgen's functions do: against the interpreter in double precision.
+"""The hand-written references compute the same as wmrgen's functions, compared with the interpreter in double
+precision.
 
 Compiled and run with packages from PyPI alone, with libm's functions answered by the host and with polynomials.
 """
@@ -17,7 +18,7 @@ from benchmarks.emulator.zig import FLAGS
 from benchmarks.jobs import JOBS, Job, derivations, outputs
 from benchmarks.processor import inputs as every_input
 from benchmarks.processor import references
-from wmrgen.codegen.c.functions import Step
+from wmrgen.codegen.unit import Step
 from wmrgen.ir.calls import nominal
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, evaluate_module
 
@@ -44,7 +45,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def inputs(fleet: Fleet, step: Step) -> list[dict[str, float]]:
-    """Every third of the inputs that are counted."""
+    """Return every third of the inputs of the measurement."""
     module = next(m for m in fleet.modules if step.name.startswith(f"{m.name}_"))
     return list(every_input(fleet.inputs(step), nominal(module), step.name))[::3]
 
@@ -63,7 +64,7 @@ def motion(values: Mapping[str, float]) -> dict[str, float]:
 
 
 def rolls(case: Mapping[str, float]) -> bool:
-    """Whether both front wheels of the car find their direction within 40 degrees."""
+    """Return whether both front wheels of the car reach their direction within 40 degrees."""
     return all(
         abs(2.5 * case["omega"]) < math.tan(math.radians(40)) * abs(case["vx"] + side * case["omega"])
         for side in (0.75, -0.75)
@@ -93,7 +94,7 @@ def test_a_reference_does_the_same_job(job: Job, kind: str, folder: Path) -> Non
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("job", [j for j in JOBS if j.simpler], ids=lambda job: job.simpler)
 def test_simpler_code_steers_along_the_velocity(job: Job, kind: str, folder: Path) -> None:
-    """Where no limit holds: the same velocity of each wheel."""
+    """If no limit applies, each wheel has the same velocity."""
     fleet = _built(folder, kind)
     module = derivations()[job.robot].c_module
     step = next(s for s in fleet.steps(job.robot) if s.name == f"{job.robot}_{job.function}")

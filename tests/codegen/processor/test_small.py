@@ -1,4 +1,4 @@
-"""Bytes with kernels called (`-DWMRGEN_SMALL`) against what `derive --size` gave before it: text of the object file.
+"""Size of the object code with called kernels (`-DWMRGEN_SMALL`), compared with the former `derive --size`.
 
 Measured with arm-none-eabi-gcc 12.2 at commit c8eac09, flags as `benchmarks.emulator.gcc.FLAGS`.
 """
@@ -56,9 +56,9 @@ BEFORE = {  # (m4f, m0)
     "unicycle": (540, 1276),
     "wpilib_swervebot": (1420, 3712),
 }
-# Bytes by which odometry grew since: it keeps the heading in [-pi, pi].
+# Bytes by which odometry has grown since: it wraps the heading to [-pi, pi].
 HEADING = {"m4f": 42, "m0+": 48}
-# What robot files ask for since.
+# Functions that robot files have requested since.
 LATER = (
     "limit_twist", "limit_acceleration", "setpoint", "compensate_steering", "desaturate", "steer_toward",
     "joints_from_counts", "forward_covariance", "odometry_covariance", "odometry_from_angles",
@@ -90,7 +90,7 @@ def text(name: str, key: str, folder: Path) -> int:
 
 
 def accessor(name: str, processor: Processor, folder: Path) -> int:
-    """Bytes of `<robot>_joint`, which came with the shared types."""
+    """Return the bytes of `<robot>_joint`, which was added with the shared types."""
     words = [processor.compiler.replace("gcc", "nm"), "--print-size", "--radix=d", f"{name}.o"]
     done = subprocess.run(words, cwd=folder, check=True, capture_output=True, text=True)
     lines = (line.split() for line in done.stdout.splitlines())

@@ -1,4 +1,8 @@
-"""C99: ``<robot>.h`` and ``<robot>.c``, straight-line code over structs with named wheels."""
+"""C99: ``<robot>.h`` and ``<robot>.c``, straight-line code over structs with named wheels.
+
+In come functions with kernels (`ir.Module`) and the facts for headers; out go C files as bytes, and values computed by
+the compiled C. No module here sees a formula or another back end.
+"""
 
 from __future__ import annotations
 
@@ -15,20 +19,29 @@ __all__ = ["compiled", "emit", "evaluate", "places", "sources"]
 
 
 def evaluate(module: Module, requests: Sequence[Request], **words: str) -> list[dict[str, float]]:
-    """Outputs by contract name of each request, from the C of the `Choice` that ``words`` say, compiled."""
+    """Compile the C and return the outputs of each request by contract name.
+
+    Args:
+        module: The functions.
+        requests: Names of functions with their inputs.
+        **words: Fields of `Choice`: scalar, math, target.
+
+    Raises:
+        EnvironmentFailure: There is no C compiler, or it fails.
+    """
     from wmrgen.codegen.c.driver import evaluate_c
 
     return evaluate_c(module, requests, Choice(**words))
 
 
 def compiled(module: Module, choice: Choice) -> Callable[[str, Mapping[str, Any]], dict[str, Any]]:
-    """The functions of ``module`` over arrays, see `wmrgen.codegen.c.library.compiled`."""
-    from wmrgen.codegen.c.library import compiled
+    """Compile the functions of ``module`` for arrays; see `wmrgen.codegen.c.driver.compiled`."""
+    from wmrgen.codegen.c.driver import compiled
 
     return compiled(module, choice)
 
 
-# ---- on which lines the C that is printed computes what: for the report, which never sees the C itself
+# ---- the lines of the printed C that compute named quantities: for the report, which does not see the C
 
 _FUNCTION = re.compile(r"^void (\w+)\(")
 _NAMED = re.compile(r"^    const \w+ \w+ = .*; /\* (.+) \*/$")
@@ -37,19 +50,19 @@ _STORED = re.compile(r"^    (?:\w+->|\*)([\w.]+) = ")
 
 
 def places(files: Mapping[str, bytes]) -> tuple[Place, ...]:
-    """Every function of ``<robot>.c``, among the files that `emit` gives."""
+    """Return the lines of every function of ``<robot>.c``, one of the ``files`` that `emit` gives."""
     file = min((name for name in files if name.endswith(".c")), key=len)  # the others have longer names
     return places_in(file, files[file].decode())
 
 
 def places_in(file: str, source: str) -> tuple[Place, ...]:
-    """Every function of a generated C file."""
+    """Return the lines of every function of the C file ``file`` with the text ``source``."""
     functions: list[Place] = []
     for number, line in enumerate(source.splitlines(), 1):
-        begun, above = _FUNCTION.match(line), _ABOVE.match(line)
+        head, above = _FUNCTION.match(line), _ABOVE.match(line)
         named = above or _NAMED.match(line) or _STORED.match(line)
-        if begun:
-            functions.append(Place(file, begun[1], number, ()))
+        if head:
+            functions.append(Place(file, head[1], number, ()))
         elif named and functions:
             last, at = functions[-1], number + bool(above)
             functions[-1] = Place(file, last.function, last.line, (*last.quantities, (named[1], at)))

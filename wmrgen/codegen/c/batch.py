@@ -1,7 +1,8 @@
-"""``<robot>_many.h`` and ``.c``, with ``--batch``: every function over arrays of states, for processors with vectors.
+"""``<robot>_many.h`` and ``.c``, with ``--batch``: every function for arrays of states.
 
-The source includes ``<robot>.c``, so that a compiler can inline the scalar functions into the loop over the states.
-Every input and output is an array of its own (structure of arrays). Tunable parameters are inputs like the others.
+The source includes ``<robot>.c``, so that a compiler inlines the scalar functions into the loop over the states and
+vectorises the loop. Every input and output is a separate array (structure of arrays). Tunable parameters are inputs,
+too.
 """
 
 from __future__ import annotations
@@ -9,37 +10,39 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from wmrgen.codegen.c.records import Step, Unit
+from wmrgen.codegen.c.functions import call
 from wmrgen.codegen.render import render
+from wmrgen.codegen.unit import Step, Unit
 
 
-class Many(NamedTuple):
-    """A function over arrays, ready to print. ``inputs`` and ``outputs``: contract name -> array and member."""
+class BatchFunction(NamedTuple):
+    """A function for arrays, ready to print."""
 
     name: str
-    inputs: Mapping[str, tuple[str, str]]
+    inputs: Mapping[str, tuple[str, str]]  # contract name -> array, and member of a variable
     outputs: Mapping[str, tuple[str, str]]
-    variables: Mapping[str, str]
+    variables: Mapping[str, str]  # name -> type
     calls: tuple[str, ...]
 
 
-def many(unit: Unit) -> dict[str, Many]:
-    """By name of the robot's function: its form over arrays."""
-    return {name: _many(unit, step) for name, step in unit.contract.items()}
+def batch_functions(unit: Unit) -> dict[str, BatchFunction]:
+    """Return every function of a robot for arrays, by the name of the function."""
+    return {name: _batch_function(unit, step) for name, step in unit.contract.items()}
 
 
-def _many(unit: Unit, step: Step) -> Many:
-    return Many(
+def _batch_function(unit: Unit, step: Step) -> BatchFunction:
+    prepare = unit.before([step])[-1:]  # without params_default: the parameters are inputs
+    return BatchFunction(
         f"{step.name}_many",
         _arrays(unit.inputs(step)),
         _arrays(step.outputs),
         unit.variables(step),
-        tuple(f"{each.call()};" for each in (*unit.before([step])[-1:], step)),
+        tuple(f"{call(each)};" for each in (*prepare, step)),
     )
 
 
 def _arrays(members: Mapping[str, str]) -> dict[str, tuple[str, str]]:
-    """Contract name -> name of its array, and member. ``_`` replaces the dot, and follows a name that is taken."""
+    """Return the name of the array and the member for each contract name; ``_`` replaces the dot."""
     arrays: dict[str, tuple[str, str]] = {}
     taken: set[str] = set()
     for name, member in members.items():
@@ -52,7 +55,7 @@ def _arrays(members: Mapping[str, str]) -> dict[str, tuple[str, str]]:
 
 
 def batch(unit: Unit, common: Mapping[str, object]) -> tuple[str, str]:
-    """The text of header and source; ``common``: what every template is told."""
-    functions = [*many(unit).values()]
+    """Return the text of header and source; ``common``: variables of every template."""
+    functions = [*batch_functions(unit).values()]
     header, source = (render(f"c99/many.{end}.j2", **common, functions=functions) for end in ("h", "c"))
     return header, source

@@ -1,64 +1,72 @@
-"""Programs of our own that call generated C.
+"""Programs that call generated C: to compute its values, and to analyse it.
 
-A driver, fed through stdin, calls every function of one or many robots. Numbers cross the border as hexadecimal floats,
-so nothing is rounded on the way; inputs are doubles and are rounded once, by the driver, to the target type.
+The driver reads requests from stdin and calls the functions of one or several robots. It exchanges numbers as
+hexadecimal floats, which are exact. Inputs are doubles; the driver rounds them once, to the scalar type of the C.
 
-An entry point for Frama-C Eva calls every function with all inputs of their ranges.
+The functions for arrays are compiled to a library and loaded.
+
+The entry point for Frama-C Eva calls every function with all inputs within their ranges.
 """
 
 from __future__ import annotations
 
+import ctypes
 import math
 import re
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from wmrgen.codegen.c.batch import batch, batch_functions
 from wmrgen.codegen.c.emit import printed, unit
-from wmrgen.codegen.c.records import Step, Unit
-from wmrgen.codegen.compiler import DEFAULT_FLAGS, compile_and_run
+from wmrgen.codegen.c.functions import call as call_of
+from wmrgen.codegen.compiler import DEFAULT_FLAGS, compile_and_run, load_library
 from wmrgen.codegen.registry import Request
 from wmrgen.codegen.render import render
+from wmrgen.codegen.unit import Step, Unit
 from wmrgen.ir.calls import in_order, nominal
 from wmrgen.ir.kernels.choice import DEFAULT, HOST, LIBM, Choice
 from wmrgen.ir.nodes import Module
 
-Ranges = Mapping[str, tuple[float, float]]
-Cases = Mapping[str, Sequence[Ranges]]
+Ranges = Mapping[str, tuple[float, float]]  # contract name of an input -> least and largest value
+Cases = Mapping[str, Sequence[Ranges]]  # function -> parts of the range of its inputs
 
-# Any result that is no finite number is an alarm, beside what C leaves undefined.
+# Eva reports every result that is not finite, in addition to undefined behaviour.
 OPTIONS = (
     "-eva", "-warn-special-float", "non-finite", "-eva-subdivide-non-linear", "20", "-eva-slevel", "16",
     "-eva-msg-key=-summary", "-kernel-warn-key", "parser:decimal-float=inactive",
 )  # fmt: skip
 HARNESS = "eva_main.c"
-# Eva knows the C library's sines; it knows neither fmaf nor what the bits of a float mean.
+# Eva can analyse sines of the C library, but neither fmaf nor operations on the bits of a float.
 PLAIN = Choice(math=LIBM, target=HOST)
-# Known by their contracts in Frama-C's library: an interval, and functions whose results Eva bounds.
+# Functions without code whose results Eva bounds: an interval, and functions of the C library.
 _KNOWN = {f"{name}{end}" for name in ("fabs", "sqrt", "sin", "cos", "atan", "atan2") for end in ("", "f")} | {
     "Frama_C_float_interval"
 }
 
 
 class Call(NamedTuple):
-    """One wrapper of the driver: reads ``inputs`` and writes ``outputs``, contract names in this order."""
+    """A function of the driver that calls one C function."""
 
     robot: str
-    function: str
-    inputs: tuple[str, ...]
+    function: str  # name of the C function
+    inputs: tuple[str, ...]  # contract names, in the order of the driver
     outputs: tuple[str, ...]
-    lines: tuple[str, ...]
+    lines: tuple[str, ...]  # statements
 
 
 def calls(unit: Unit) -> tuple[Call, ...]:
-    """One call per step function; the tunables, where there are any, are its last inputs."""
+    """Return a call for each function of the robot; tunable parameters are its last inputs."""
     return tuple(_call(unit, step) for step in unit.contract.values())
 
 
 def _call(unit: Unit, step: Step) -> Call:
     inputs = unit.inputs(step)
+    prepare = unit.before([step])[-1:]  # without params_default: the parameters are inputs
     lines = [f"{kind} {name};" for name, kind in unit.variables(step).items()]
     lines += [f"{member} = ({unit.choice.scalar})x[{k}];" for k, member in enumerate(inputs.values())]
-    lines += [f"{called.call()};" for called in (*unit.before([step])[-1:], step)]  # prepare: params are set
+    lines += [f"{call_of(each)};" for each in (*prepare, step)]
     outputs = step.outputs
     lines += [f"y[{k}] = (double){member};" for k, member in enumerate(outputs.values())]
     lines += [] if inputs else ["(void)x;"]
@@ -66,7 +74,7 @@ def _call(unit: Unit, step: Step) -> Call:
 
 
 def driver(calls: Sequence[Call]) -> str:
-    """The C of a program that reads ``index inputs…`` lines and prints the outputs of each."""
+    """Return a C program that reads lines ``index inputs…`` and prints the outputs of each."""
     robots = list(dict.fromkeys(call.robot for call in calls))
     most_in = max([1, *(len(call.inputs) for call in calls)])
     most_out = max([1, *(len(call.outputs) for call in calls)])
@@ -74,12 +82,21 @@ def driver(calls: Sequence[Call]) -> str:
 
 
 def request(index: int, call: Call, values: Mapping[str, float]) -> str:
-    """One line for the driver. UsageError where an input has no value."""
+    """Return one line for the driver.
+
+    Args:
+        index: Number of the call in the driver.
+        call: The call.
+        values: Contract name -> value of each input.
+
+    Raises:
+        UsageError: An input has no value.
+    """
     return " ".join([str(index), *(x.hex() for x in in_order(call.function, call.inputs, values))])
 
 
 def answer(call: Call, line: str) -> dict[str, float]:
-    """Outputs by contract name from one line of the driver."""
+    """Return the outputs by contract name from one line that the driver printed."""
     return dict(zip(call.outputs, map(float.fromhex, line.split()), strict=True))
 
 
@@ -90,33 +107,100 @@ def evaluate_c(
     cc: str | None = None,
     flags: Sequence[str] = DEFAULT_FLAGS,
 ) -> list[dict[str, float]]:
-    """Outputs of each request, from the compiled C: none of a function that has none."""
+    """Compile the C and return the outputs of each request; they are empty for a function without outputs.
+
+    Args:
+        module: The functions of the robot.
+        requests: Names of functions with their inputs by contract name; tunable parameters may be left out.
+        choice: Scalar type, sines and processor of the C.
+        cc: Command of the compiler; None for that of the system.
+        flags: Flags of the compiler.
+
+    Raises:
+        EnvironmentFailure: There is no C compiler, or it fails.
+        UsageError: A request lacks an input.
+    """
     functions, default = unit(module, choice), nominal(module)
     steps = {name: functions.contract[name] for name, _ in requests if name in functions.contract}
     called = {name: (k, _call(functions, step)) for k, (name, step) in enumerate(steps.items())}
-    asked = [(*called[name], case) for name, case in requests if name in called]
-    lines = [request(k, call, {**default, **case}) for k, call, case in asked]
+    lines = []
+    for name, case in requests:
+        if name in called:
+            lines.append(request(*called[name], {**default, **case}))
     header, source, _ = printed(functions)
     main = driver([call for _, call in called.values()])
     files = {f"{module.name}.h": header, f"{module.name}.c": source, "wmrgen-driver.c": main}
-    told = iter(compile_and_run(files, "\n".join(lines) + "\n", cc, flags).splitlines())
-    return [answer(called[name][1], next(told)) if name in called else {} for name, _ in requests]
+    printed_lines = iter(compile_and_run(files, "\n".join(lines) + "\n", cc, flags).splitlines())
+    return [answer(called[name][1], next(printed_lines)) if name in called else {} for name, _ in requests]
+
+
+# ---- functions for arrays, compiled and loaded for NumPy
+
+Columns = dict[str, Any]  # contract name -> array
+
+
+def compiled(module: Module, choice: Choice) -> Callable[[str, Mapping[str, Any]], Columns]:
+    """Compile the functions of ``module`` for arrays with the compiler of the system, and load them.
+
+    Args:
+        module: The functions.
+        choice: Scalar type of the C, its sines, and the processor.
+
+    Returns:
+        A function that takes the name of a function and its inputs (contract name -> array; tunable parameters that are
+        left out are nominal) and returns the outputs by contract name, in the shape to which the inputs broadcast.
+
+    Raises:
+        EnvironmentFailure: There is no C compiler, or it fails.
+    """
+    functions = unit(module, choice)
+    header, source, pair = printed(functions)
+    scalar = choice.scalar
+    common = {"robot": module.name, "upper": module.name.upper(), "scalar": scalar, "pair": pair}
+    files = {f"{module.name}.h": header, f"{module.name}.c": source}
+    files[f"{module.name}_many.h"], files[f"{module.name}_many.c"] = batch(functions, common)
+    library = load_library(files, f"{module.name}_many.c")
+    kind: Any = np.float64 if scalar == "double" else np.float32
+    defaults, forms = nominal(module), batch_functions(functions)
+
+    def call_compiled(name: str, inputs: Mapping[str, Any]) -> Columns:
+        form = forms[name]
+        given = {**defaults, **inputs}
+        arrays = np.broadcast_arrays(*(np.asarray(given[port], dtype=kind) for port in form.inputs))
+        shape = arrays[0].shape if arrays else ()
+        flat = [np.ascontiguousarray(array).reshape(-1) for array in arrays]
+        results = {port: np.empty(shape, kind) for port in form.outputs}
+        function = getattr(library, form.name)
+        function.restype = None
+        function(ctypes.c_size_t(int(np.prod(shape))), _pointers(flat), _pointers(results.values()))
+        return {port: array[()] for port, array in results.items()}
+
+    return call_compiled
+
+
+def _pointers(arrays: Any) -> Any:
+    """Return a C struct whose members point to the arrays."""
+    addresses = [array.ctypes.data for array in arrays]
+    return (ctypes.c_void_p * max(1, len(addresses)))(*addresses)
 
 
 # ---- Frama-C Eva
 
 
 def harness(module: Module, cases: Cases, waves: bool = False) -> dict[str, str]:
-    """File name -> text: header, source and an entry point. ``cases``: parts of the inputs, per function.
+    """Return the files for Eva by name: header, source and entry point.
 
-    ``waves``: with sines and cosines of our own, see `_waves`; `command` must know, too.
+    Args:
+        module: The functions of the robot.
+        cases: Parts of the inputs of each function.
+        waves: Whether `_waves` replaces the sines and cosines; `command` needs the same value.
     """
     functions = unit(module, PLAIN)
     lines = [f'#include "{functions.robot}.h"', '#include "__fc_builtin.h"', ""]
     lines += _waves() if waves else []
     parts = [(name, ranges) for name in functions.contract for ranges in cases.get(name, ())]
     for k, (name, ranges) in enumerate(parts):
-        # A function per case: what Eva keeps apart in one does not count in the next.
+        # Each case is a function, because Eva limits the number of states that it distinguishes in a function.
         body = (f"    {line}" for line in _case(functions, name, ranges))
         lines += [f"static void case_{k}(void)", "{", *body, "}", ""]
     lines += [
@@ -132,20 +216,20 @@ def harness(module: Module, cases: Cases, waves: bool = False) -> dict[str, str]
 
 
 def _case(unit: Unit, called: str, ranges: Ranges) -> list[str]:
-    """A call with all inputs of their ranges."""
+    """Return the statements that call a function with all inputs within their ranges."""
     step = unit.contract[called]
     lines = [f"{kind} {variable};" for variable, kind in unit.variables(step).items()]
     for name, member in unit.inputs(step).items():
         low, high = (f"{float(v).hex()}f" for v in ranges[name])
         lines.append(f"{member} = Frama_C_float_interval({low}, {high});")
-    lines += [f"{each.call()};" for each in (*unit.before([step])[-1:], step)]
-    return lines
+    prepare = unit.before([step])[-1:]  # without params_default: the parameters are inputs
+    return [*lines, *(f"{call_of(each)};" for each in (*prepare, step))]
 
 
 def _waves() -> list[str]:
-    """Sines and cosines in steps of 1/8 between -pi and pi: Eva's own are [-1, 1] for angles beyond pi/4.
+    """Return C functions that bound sines and cosines in steps of 1/8 between -pi and pi.
 
-    The library is taken to be off by 1e-6 at most.
+    Eva itself bounds them by [-1, 1] for angles beyond pi/4. The error of the library is assumed to be at most 1e-6.
     """
     lines = []
     for name, wave in (("sin", math.sin), ("cos", math.cos)):
@@ -153,6 +237,7 @@ def _waves() -> list[str]:
         for k in range(-26, 26):
             low, high = k / 8, (k + 1) / 8
             ends = wave(low), wave(high)
+            # Near an extremum, the wave exceeds its ends by at most 1 - cos(1/8) = 0.008.
             turn = 0.008 if 1 - max(abs(ends[0]), abs(ends[1])) < 0.008 else 1e-6
             least, most = max(-1.0, min(ends) - turn), min(1.0, max(ends) + turn)
             result = f"Frama_C_float_interval({least:.8f}f, {most:.8f}f)"
@@ -162,13 +247,19 @@ def _waves() -> list[str]:
 
 
 def command(tool: str, robot: str, waves: bool = False) -> list[str]:
-    """The command that analyses what `harness` wrote."""
+    """Return the command that analyses the files of `harness`.
+
+    Args:
+        tool: Path of Frama-C.
+        robot: Name of the robot.
+        waves: As in `harness`.
+    """
     own = "-Dsinf=eva_sinf -Dcosf=eva_cosf"
     return [tool, *OPTIONS, *([f"-cpp-extra-args={own}"] if waves else []), HARNESS, f"{robot}.c"]
 
 
 def alarms(output: str) -> tuple[str, ...]:
-    """What Eva could not show, each with its place; whatever is no clean run is an alarm, too."""
+    """Return what Eva could not prove, each with its place; a run that did not complete is an alarm, too."""
     text = re.sub(r"\n +", " ", output)
     lines = text.splitlines()
     alarms = [line.removeprefix("[eva:alarm] ") for line in lines if line.startswith("[eva:alarm]")]

@@ -1,214 +1,278 @@
-"""IR functions as C functions: their structs, prototypes, comments and bodies; and the kernels that they call."""
+"""Functions as C: their structs, prototypes, comments and bodies; the kernels that they call, and calls of them."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
+from typing import NamedTuple
 
-from wmrgen.codegen.c.records import Kernel, Parameter, Step
-from wmrgen.codegen.c.text import Struct, block_comment, literal, prototype, struct
+from wmrgen.codegen.c.text import block_comment, literal, prototype, struct
 from wmrgen.codegen.expression import Body, Results, Style, body, results_of, written_out
-from wmrgen.codegen.signature import IN, OUT, Argument, arguments, members
+from wmrgen.codegen.signature import IN, PARAMS, PREPARED, Signature, members, signatures
+from wmrgen.codegen.unit import Kernel, Parameter, Step, Struct, parameter
 from wmrgen.ir.calls import called
-from wmrgen.ir.nodes import Cost, Function, Module, Op, Role, places, pruned
+from wmrgen.ir.nodes import Cost, Function, Module, Op, places, pruned
 
-_SHORT = 12  # statements: so few are repeated, not called
-_NOTE = 60  # characters of a comment behind a statement
-_MANY = 4  # outputs that are listed
+_SHORT = 12  # statements: a body that short is repeated, because a call would save no flash
+_MANY = 4  # outputs that a comment lists; it ends in "..." if there are more
 _PLACE = re.compile(r"[\w.]+(?:->[\w.]+)*")  # a variable or a member
 
+_SHARED_TEXTS = {
+    "pose": "Position of P and heading of the robot, in the world frame.",
+    "twist": "Velocity of P and yaw rate, in the robot frame.",
+    "pose_covariance": "Covariance of a pose: the upper triangle of a symmetric matrix.",
+    "twist_covariance": "Covariance of a twist: the upper triangle of a symmetric matrix.",
+    "wheels": "Joints that are driven or sensed. Commands, measurements and the present state have this type.",
+}
 
-def _prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tuple[Step, ...]:
-    """``params_default`` and ``prepare``; nothing when nothing is tunable."""
-    prepare = module.prepare
-    if prepare is None or not prepare.outputs:
-        return ()
-    robot, cost = module.name, costs[prepare.name]
-    advice = "Call once, and again after every change of a parameter."
-    if prepare.inputs:
-        advice += f" {robot}_prepare_checked() refuses parameters that are far from nominal."
-    prepare = replace(prepare, text=f"{_sentence(prepare.text)} {advice}" if prepare.text else advice)
-    note = f"What {robot}_prepare() works out once from the parameters; the steps only read it."
-    texts, used = written_out(prepare), _used(module)
-    formulas = zip(prepare.outputs, prepare.results, strict=True)
-    outputs = tuple(replace(p, text=p.text or texts[r] or used.get(p.name, "")) for p, r in formulas)
-    prepared = struct(f"{robot}_prepared", outputs, scalar, note)
-    if not prepare.inputs:
-        return (
-            _step(prepare, f"{robot}_prepare", (_filled("prepared", prepared),), (prepared,), scalar, cost),
-        )
-    params = struct(f"{robot}_params", prepare.inputs, scalar, "Tunable parameters: calibrate, then prepare.")
-    nominal = Step(
-        f"{robot}_params_default",
-        (params,),
-        ("/** Sets the parameters to the nominal values of the robot file. */",),
-        tuple(
-            f"params->{params.members[port.name]} = {literal(port.default, scalar)};"
-            for port in prepare.inputs
-            if port.default is not None
-        ),
-        (_filled("params", params),),
-    )
-    parameters = (Parameter("params", params.name, params.members, {}), _filled("prepared", prepared))
-    return nominal, _step(prepare, f"{robot}_prepare", parameters, (prepared,), scalar, cost)
+
+# ---- parameters and calls
+
+
+def declared(parameters: Sequence[Parameter]) -> list[str]:
+    """Return the parameters as a prototype declares them."""
+    return [_declared(p) for p in parameters] or ["void"]
+
+
+def _declared(p: Parameter) -> str:
+    if p.by_value:
+        return f"{p.type} {p.name}"
+    return f"{'' if p.writes else 'const '}{p.type} *{p.name}"
+
+
+def access(p: Parameter, member: str) -> str:
+    """Return a member of a parameter as the body of the function writes it: ``twist->vx``."""
+    if member:
+        return f"{p.name}->{member}"
+    return p.name if p.by_value else f"*{p.name}"
+
+
+def call(step: Step, variables: Mapping[str, str] | None = None, suffix: str = "") -> str:
+    """Return a call of ``step``.
+
+    Args:
+        step: The function.
+        variables: Name of a parameter -> variable, for those with another name than the parameter.
+        suffix: Appended to the name of the function: ``_checked``.
+    """
+    names = variables or {}
+    passed = (("" if p.by_value else "&") + names.get(p.name, p.name) for p in step.parameters)
+    return f"{step.name}{suffix}({', '.join(passed)})"
+
+
+# ---- structs
+
+
+def shared_structs(module: Module) -> dict[str, Struct]:
+    """Return the types that all functions share, by the names of `wmrgen.codegen.signature`."""
+    return {
+        kind: struct(f"{module.name}_{kind}", ports, _SHARED_TEXTS[kind])
+        for kind, ports in members(module).items()
+    }
+
+
+def _own_structs(signature: Signature, name: str) -> dict[str, Struct]:
+    """Return the structs of the inputs and outputs that only one function has."""
+    return {
+        kind: struct(f"{name}_{kind}", ports, f"{'Input' if kind == IN else 'Output'} of {name}().")
+        for kind, ports in signature.own_types.items()
+    }
+
+
+def _structs_of_prepare(signature: Signature, module: Module) -> dict[str, Struct]:
+    """Return the structs of the tunable parameters, if there are any, and of what `prepare` computes."""
+    robot, structs = module.name, {}
+    ports = dict(signature.own_types)
+    if PARAMS in ports:
+        text = f"Tunable parameters. After a change call {robot}_prepare()."
+        structs[PARAMS] = struct(f"{robot}_params", ports[PARAMS], text)
+    texts, used = written_out(signature.function), _used(module)
+    outputs = []
+    for port, result in zip(ports[PREPARED], signature.function.results, strict=True):
+        outputs.append(replace(port, text=port.text or texts[result] or used.get(port.name, "")))
+    text = f"Values that {robot}_prepare() computes once from the parameters. The other functions only read them."
+    structs[PREPARED] = struct(f"{robot}_prepared", outputs, text)
+    return structs
 
 
 def _used(module: Module) -> dict[str, str]:
-    """Of each prepared number what the first function that reads it multiplies with it, and for which outputs."""
+    """Return for each prepared number its factor in the first function that reads it, and the outputs that need it."""
     used: dict[str, str] = {}
     for function in map(pruned, module.functions):
         nodes, texts = function.nodes, written_out(function)
-        needs = [
-            (p.name, places(nodes, [r])) for p, r in zip(function.outputs, function.results, strict=True)
-        ]
+        needs = []
+        for port, result in zip(function.outputs, function.results, strict=True):
+            needs.append((port.name, places(nodes, [result])))
         products = [node.args[:2] for node in nodes if node.op in (Op.MUL, Op.FMA)]
         for k, node in enumerate(nodes):
-            if node.op is Op.INPUT and node.name:
-                factors = {texts[a] for pair in products if k in pair for a in pair if a != k}
-                one = factors.pop() if len(factors) == 1 else ""
-                names = [name for name, needed in needs if k in needed]
-                for_what = (
-                    f"for {', '.join(names[:_MANY])}{', ...' * (len(names) > _MANY)} in {function.name}"
-                )
-                used.setdefault(node.name, f"factor of {one} {for_what}" if one else for_what)
+            if node.op is not Op.INPUT or not node.name:
+                continue
+            names = [name for name, needed in needs if k in needed]
+            listed = ", ".join(names[:_MANY]) + ", ..." * (len(names) > _MANY)
+            purpose = f"for {listed} in {function.name}"
+            factors = {texts[a] for pair in products if k in pair for a in pair if a != k}
+            factor = factors.pop() if len(factors) == 1 else ""
+            used.setdefault(node.name, f"factor of {factor} {purpose}" if factor else purpose)
     return used
 
 
-def _filled(name: str, struct: Struct) -> Parameter:
-    return Parameter(name, struct.name, {}, struct.members)
-
-
-def shared_structs(module: Module, scalar: str) -> dict[str, Struct]:
-    """The types that all functions share, by what `wmrgen.codegen.signature` calls them."""
-    notes = {
-        "pose": "Where P is and where the robot heads, in the world frame.",
-        "twist": "How the robot moves: the velocity of P in the robot frame.",
-        "pose_covariance": "Covariance of a pose: the upper triangle of a symmetric matrix.",
-        "twist_covariance": "Covariance of a twist: the upper triangle of a symmetric matrix.",
-        "wheels": "The joints that are driven or sensed: commands, measurements and present state alike.",
-    }
-    return {
-        name: struct(f"{module.name}_{name}", ports, scalar, notes[name])
-        for name, ports in members(module).items()
-    }
+# ---- steps
 
 
 def steps_of(
     module: Module, scalar: str, costs: Mapping[str, Cost], shared: Mapping[str, Struct]
 ) -> tuple[Step, ...]:
-    """params_default and prepare where a parameter is tunable, then every function that has outputs."""
-    steps = list(_prepare_steps(module, scalar, costs))
-    prepared = steps[-1].structs[-1] if steps else None
-    kernels = results_of(module.kernels, scalar, "wmrgen_{}".format)
-    for function in (f for f in module.functions if f.outputs):
+    """Return the C functions of a robot.
+
+    Args:
+        module: Its functions.
+        scalar: ``float`` or ``double``.
+        costs: Operations of the formula of each function, for comments.
+        shared: Types that the functions share.
+
+    Returns:
+        params_default and prepare if a parameter is tunable, then every function that has outputs.
+    """
+    printer = _Printer(scalar, results_of(module.kernels, scalar, "wmrgen_{}".format))
+    types, steps = dict(shared), list[Step]()
+    for signature in signatures(module):
+        function = signature.function
         name = f"{module.name}_{function.name}"
-        parameters: list[Parameter] = []
-        own: list[Struct] = []
-        if prepared is not None and any(port.role is Role.PREPARED for port in function.inputs):
-            parameters.append(Parameter("prepared", prepared.name, prepared.members, {}))
-        for argument in arguments(function, module.joints):
-            if argument.kind in (IN, OUT):
-                own.append(_own_struct(function, name, argument.kind, argument, scalar))
-            parameters.append(
-                _parameter(argument, shared.get(argument.kind) or (own[-1] if own else None), scalar)
-            )
-        steps.append(_step(function, name, parameters, own, scalar, costs[function.name], kernels))
-    by_name = {step.name: step for step in steps}
+        if function is module.prepare:
+            own = _structs_of_prepare(signature, module)
+            types |= own
+            function = replace(function, text=_text_of_prepare(function, module.name))
+            if PARAMS in own:
+                steps.append(_params_default(module.name, own[PARAMS], scalar))
+        else:
+            own = _own_structs(signature, name)
+        found = types | own
+        parameters = [parameter(a, a.name, found.get(a.kind), scalar) for a in signature.arguments]
+        steps.append(printer.step(function, name, parameters, own.values(), costs[function.name]))
+    return _with_small_bodies(module, steps)
+
+
+def _text_of_prepare(prepare: Function, robot: str) -> str:
+    advice = "Call it once, and again after every change of a parameter."
+    if prepare.inputs:
+        advice += f" {robot}_prepare_checked() rejects parameters that are far from nominal."
+    return f"{_sentence(prepare.text)} {advice}" if prepare.text else advice
+
+
+def _params_default(robot: str, params: Struct, scalar: str) -> Step:
+    """Return the function that sets the tunable parameters to their nominal values."""
+    name = f"{robot}_params_default"
+    target = Parameter(PARAMS, params.name, {}, params.members, params)
+    lines = [
+        f"{access(target, params.members[port.name])} = {literal(port.default, scalar)};"
+        for port in params.ports
+        if port.default is not None
+    ]
+    comment = ("/** Sets the parameters to the nominal values of the robot file. */",)
+    head = (prototype(f"void {name}", declared([target])),)
+    return Step("params_default", name, (target,), comment, head, tuple(lines))
+
+
+def _with_small_bodies(module: Module, steps: Sequence[Step]) -> tuple[Step, ...]:
+    """Add a second body, for least flash, to long steps whose results a variant computes too: a call of the variant."""
+    by_function = {step.function: step for step in steps}
     for variant in module.functions:
-        part, whole = (by_name.get(f"{module.name}_{name}") for name in (variant.variant_of, variant.name))
+        part, whole = by_function.get(variant.variant_of), by_function.get(variant.name)
         if part is None or whole is None or not _computes(whole, part):
             continue
         if sum(not line.startswith("/*") for line in part.lines) > _SHORT:
-            by_name[part.name] = part._replace(small=_taken_from(whole, part))
-    return tuple(by_name.values())
+            by_function[part.function] = part._replace(small=_taken_from(whole, part))
+    return tuple(by_function.values())
 
 
 def _computes(whole: Step, part: Step) -> bool:
-    """Whether ``whole`` gives all that ``part`` gives, from the same inputs: to the bit, for one is a variant of the
-    other."""
+    """Return whether ``whole`` gives all outputs of ``part`` from the same inputs.
+
+    They are equal bit for bit, because one function is a variant of the other.
+    """
     return whole.inputs == part.inputs and part.outputs.items() <= whole.outputs.items()
 
 
 def _taken_from(whole: Step, part: Step) -> tuple[str, ...]:
-    """The statements of ``part`` that take its results from ``whole``; the others are read by nobody."""
+    """Return the statements that compute the results of ``part`` by a call of ``whole``."""
     own = {p.name for p in part.parameters}
-    others = [p for p in whole.parameters if p.name not in own]
+    unused = [p for p in whole.parameters if p.name not in own]
     passed = ", ".join(f"{'' if p.name in own else '&'}{p.name}" for p in whole.parameters)
-    declared = (f"{p.type} {p.name};" for p in others)
-    return (*declared, f"{whole.name}({passed});")
+    variables = (f"{p.type} {p.name};" for p in unused)
+    return (*variables, f"{whole.name}({passed});")
 
 
-def _own_struct(function: Function, name: str, kind: str, argument: Argument, scalar: str) -> Struct:
-    """What one function alone takes or gives."""
-    ports = function.inputs if kind == IN else function.outputs
-    carried = argument.reads if kind == IN else argument.writes
-    note = f"{'Input' if kind == IN else 'Output'} of {name}()."
-    return struct(f"{name}_{kind}", tuple(port for port in ports if port.name in carried), scalar, note)
+class _Printer(NamedTuple):
+    scalar: str
+    kernels: Mapping[str, Results]  # kernels that may be called, by name
 
-
-def _parameter(argument: Argument, struct: Struct | None, scalar: str) -> Parameter:
-    """``struct``: the type of ``argument`` where it is no scalar."""
-    if not argument.kind or struct is None:
-        return Parameter(
-            argument.name, scalar, dict.fromkeys(argument.reads, ""), dict.fromkeys(argument.writes, "")
+    def step(
+        self,
+        function: Function,
+        name: str,
+        parameters: Sequence[Parameter],
+        structs: Iterable[Struct],
+        cost: Cost,
+    ) -> Step:
+        """Return ``function`` as the C function ``name``, for which ``structs`` are declared."""
+        function = pruned(function)
+        reads = {port: access(p, member) for p in parameters for port, member in p.reads.items()}
+        writes = {port: access(p, member) for p in parameters for port, member in p.writes.items()}
+        code = self.body(function, reads, parameters)
+        early = _overwritten(parameters, code.results, [port.name for port in function.outputs])
+        if early:
+            copies = {port: f"{port.replace('.', '_')}_before" for port in early}
+            code = self.body(function, {**reads, **copies}, parameters)
+        read = {node.name for node in function.nodes if node.op is Op.INPUT}
+        lines = [f"(void){p.name};" for p in parameters if not p.writes and not read & set(p.reads)]
+        lines += [f"const {self.scalar} {port.replace('.', '_')}_before = {reads[port]};" for port in early]
+        lines += code.statements
+        lines += [""] if lines else []
+        for port, text in zip(function.outputs, code.results, strict=True):
+            lines.append(f"{writes[port.name]} = {text};")
+        paragraphs = [_sentence(function.text)]
+        if str(cost) != "none":
+            paragraphs.append(f"Operations of the formula: {cost}.")
+        return Step(
+            function.name,
+            name,
+            tuple(parameters),
+            tuple(block_comment(paragraphs, doxygen=True)),
+            (prototype(f"void {name}", declared(parameters)),),
+            tuple(lines),
+            tuple(structs),
+            code.ops,
         )
-    reads, writes = (
-        {name: struct.members[member] for name, member in ports.items()}
-        for ports in (argument.reads, argument.writes)
-    )
-    return Parameter(argument.name, struct.name, reads, writes)
+
+    def body(self, function: Function, reads: Mapping[str, str], parameters: Sequence[Parameter]) -> Body:
+        """Return the statements of ``function``; ``reads``: contract name of an input -> the C that reads it."""
+        names = {p.name for p in parameters}
+        notes = _quantities(function)
+        return body(function, reads.__getitem__, _style(self.scalar), notes, self.kernels, reserved=names)
 
 
-def _step(
-    function: Function,
-    name: str,
-    parameters: Sequence[Parameter],
-    own: Sequence[Struct],
-    scalar: str,
-    cost: Cost,
-    kernels: Mapping[str, Results] | None = None,
-) -> Step:
-    """``own``: the structs that are declared for it. ``kernels``: what it may call."""
-    function = pruned(function)
-    reads = {port: p.within(member) for p in parameters for port, member in p.reads.items()}
-    writes = {port: p.within(member) for p in parameters for port, member in p.writes.items()}
+def _quantities(function: Function) -> dict[int, str]:
+    """Return comments with the names that the report gives to intermediate results, by node."""
     quantities: dict[int, list[str]] = {}
     for each in function.named:
         if each.quantity:
             quantities.setdefault(each.node, []).append(each.quantity)
-    notes = {k: ", ".join(texts) for k, texts in quantities.items()}
-    notes = {k: f"/* {note} */" for k, note in notes.items() if len(note) <= _NOTE}
-    parameters_of = {p.name for p in parameters}
-
-    def printed(access: Mapping[str, str]) -> Body:
-        return body(function, access.__getitem__, _style(scalar), notes, kernels, reserved=parameters_of)
-
-    code = printed(reads)
-    early = _overwritten(parameters, code.results, [port.name for port in function.outputs])
-    if early:
-        copies = {port: f"{port.replace('.', '_')}_before" for port in early}
-        code = printed({**reads, **copies})
-    read = {node.name for node in function.nodes if node.op is Op.INPUT}
-    lines = [f"(void){p.name};" for p in parameters if not p.writes and not read & set(p.reads)]
-    lines += [f"const {scalar} {port.replace('.', '_')}_before = {reads[port]};" for port in early]
-    lines += code.statements
-    lines += [""] if lines else []
-    lines += [
-        f"{writes[port.name]} = {text};" for port, text in zip(function.outputs, code.results, strict=True)
-    ]
-    spent = [f"Operations of the formula: {cost}."] if str(cost) != "none" else []
-    comment = block_comment([_sentence(function.text), *spent], doxygen=True)
-    return Step(name, tuple(own), tuple(comment), tuple(lines), tuple(parameters), code.ops)
+    notes = {node: ", ".join(texts) for node, texts in quantities.items()}
+    # A comment of more than 60 characters would not fit on the line of a statement.
+    return {node: f"/* {note} */" for node, note in notes.items() if len(note) <= 60}
 
 
 def _overwritten(
     parameters: Sequence[Parameter], results: Sequence[str], outputs: Sequence[str]
 ) -> list[str]:
-    """The inputs that a result reads after another has been stored in their place, where a caller passes one variable
-    for several parameters of a type."""
+    """Return the inputs that must be copied before results are stored.
+
+    A caller may pass one variable for several parameters of a type. A result that reads such an input after another
+    result was stored in its place would then be wrong.
+    """
     stored = {name: (p.type, member) for p in parameters for name, member in p.writes.items() if member}
     inputs = [(name, p, member) for p in parameters for name, member in p.reads.items() if member]
     early: dict[str, None] = {}
@@ -216,7 +280,7 @@ def _overwritten(
     for output, text in zip(outputs, results, strict=True):
         read = set(_PLACE.findall(text))
         for name, p, member in inputs:
-            if (p.type, member) in overwritten and p.within(member) in read:
+            if (p.type, member) in overwritten and access(p, member) in read:
                 early[name] = None
         if output in stored:
             overwritten.add(stored[output])
@@ -225,7 +289,7 @@ def _overwritten(
 
 @cache
 def _style(scalar: str) -> Style:
-    """How C writes operations in ``scalar``: ``float`` (libm names end in f) or ``double``."""
+    """Return how C writes operations in ``scalar``: ``float`` (names of libm end in f) or ``double``."""
     suffix = "f" if scalar == "float" else ""
     return Style(
         literal=partial(literal, scalar=scalar),
@@ -238,7 +302,7 @@ def _style(scalar: str) -> Style:
 
 
 def _sentence(text: str) -> str:
-    """``text`` with a capital and a full stop."""
+    """Return ``text`` with a capital and a full stop."""
     if not text:
         return "Straight-line code."
     return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
@@ -248,9 +312,9 @@ def _sentence(text: str) -> str:
 
 
 def printed_kernels(module: Module, scalar: str) -> tuple[Kernel, ...]:
-    """The kernels of ``module``, those that are called before those that call.
+    """Return the kernels of ``module``; a kernel comes before those that call it.
 
-    One that a single function calls, at one place, stands there whatever the user's build asks for: a call only costs.
+    A kernel that is called in one place only is always inlined, because a call would cost time and save no flash.
     """
     results = results_of(module.kernels, scalar, "wmrgen_{}".format)
     calls = Counter(n.name for f in module.functions for n in f.nodes if n.op is Op.CALL)
@@ -276,11 +340,14 @@ def _kernel(kernel: Function, scalar: str, results: Mapping[str, Results], once:
     linkage = "WMRGEN_ONCE" if once else "WMRGEN_KERNEL"
     head = prototype(f"{linkage} {own.type} {own.function}", parameters, ", ")
     comment = tuple(block_comment([kernel.text]))
-    return Kernel(own.function.upper(), comment, head, tuple(lines), code.ops, several)
+    return Kernel(own.function, comment, (head,), tuple(lines), code.ops, several)
 
 
 def _shared(kernel: Function) -> set[int]:
-    """Sizes and signs of inputs: calls have inputs in common, and a compiler shares what no choice depends on."""
+    """Return the magnitudes and signs of inputs, which get their own statements.
+
+    Several calls have inputs in common. A compiler shares what they compute only if it does not depend on a choice.
+    """
     nodes = kernel.nodes
     return {
         k

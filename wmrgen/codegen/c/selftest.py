@@ -1,4 +1,4 @@
-"""``test/<robot>_selftest.c``: test vectors and a function that calls every function with them, for host and target."""
+"""``test/<robot>_selftest.c``: test vectors, and a function that runs every function with them on host or target."""
 
 from __future__ import annotations
 
@@ -8,28 +8,36 @@ from typing import Any
 
 import numpy as np
 
-from wmrgen.codegen.c.records import Step, Unit
+from wmrgen.codegen.c.functions import call
 from wmrgen.codegen.c.text import WIDTH, block_comment, comment_text
 from wmrgen.codegen.render import render
+from wmrgen.codegen.unit import Step, Unit
 from wmrgen.geometry.ports import Site
 from wmrgen.ir.nodes import Module
 from wmrgen.ir.selftest.vectors import Table, Vector, tables
 
-FEWER = 4  # one of so many rows is enough for who asks for few
+FEWER = 4  # rows: SELFTEST_FEW keeps one of them, which still covers every function
 ABOUT = (
-    "Self-test of {0}.c, for the machine it is to run on. A row holds inputs, then for every output what the exact "
-    "formula gives there (60 digits, rounded once; below 1e-12: 0) and how far a correct build may be from it: a "
-    "bound of the rounding errors of all operations, with sines and cosines within 4 units of rounding ({2}) and "
-    "arctangents within 6 ulp; contraction to fused multiply-add is covered. A NaN fails.",
-    "int {0}_selftest(void) returns 0, or the number of the first row that fails, counted through the tables of this "
-    "file. Call it from a program of your own; compiled with -D{1}_SELFTEST_MAIN this file has a main(), which "
-    "returns 0 or 1. With -D{1}_SELFTEST_FEW a quarter of the rows is compiled, and counted, for small flash; on an "
-    "AVR the rows stay there.",
+    "Self-test of {0}.c, to run on the target machine. Each row has the inputs, then the expected value and the "
+    "tolerance of every output. Expected values are those of the exact formula (60 digits, rounded once; below 1e-12: "
+    "0). A tolerance bounds the rounding errors of all operations of a correct build, with sines and cosines within 4 "
+    "units of rounding ({2}) and arctangents within 6 ulp. It covers contraction to fused multiply-add. NaN fails.",
+    "int {0}_selftest(void) returns 0, or the number of the first row that fails; rows are counted over all tables of "
+    "this file. Call it from your program, or compile with -D{1}_SELFTEST_MAIN: then this file has a main(), which "
+    "returns 0 or 1. With -D{1}_SELFTEST_FEW only a quarter of the rows is compiled and counted, for small flash. On "
+    "an AVR the rows are stored in flash.",
 )
 
 
 def selftest(module: Module, unit: Unit, site: Site, common: Mapping[str, object]) -> str:
-    """The text of the file; ``unit``: the C functions of ``module``, ``common``: what every template is told."""
+    """Return the text of the self-test.
+
+    Args:
+        module: The functions of the robot.
+        unit: Its C functions.
+        site: What the robot file says about inputs.
+        common: Variables of every template.
+    """
     scalar, robot = unit.choice.scalar, unit.robot
     about = [text.format(robot, robot.upper(), "2**-24" if scalar == "float" else "2**-53") for text in ABOUT]
     return render(
@@ -41,7 +49,7 @@ def selftest(module: Module, unit: Unit, site: Site, common: Mapping[str, object
 
 
 def _table(table: Table, unit: Unit) -> dict[str, Any]:
-    """A table, ready to print. ``lines``: the body of the function that checks one row."""
+    """Return a table, ready to print; ``lines`` are the body of the function that checks one row."""
     steps = [unit.contract[name] for name in table.functions]
     names = [f"{step.name}()" for step in steps]
     title = f"{names[1]} after {names[0]}" if table.law else " and ".join(names)
@@ -60,19 +68,19 @@ def _table(table: Table, unit: Unit) -> dict[str, Any]:
 
 
 def _check(table: Table, steps: Sequence[Step], before: Sequence[Step]) -> list[str]:
-    """The statements that run one row through ``steps``: declarations, calls with their inputs, comparisons.
+    """Return the statements that run one row through ``steps``: declarations, calls and comparisons.
 
-    The inputs of a law's second function are the outputs of its first, where those have the name.
+    In the table of a law, the second function gets the outputs of the first as inputs, if they have the same name.
     """
     prepared = {name: kind for step in before for name, kind in step.variables.items()}
     declared = [f"{kind} {name};" for name, kind in prepared.items()]
-    calls = [f"{step.call()};" for step in before]
+    calls = [f"{call(step)};" for step in before]
     values = {name: f"row[{k}]" for k, name in enumerate(table.inputs)}
     for number, step in enumerate(steps):
         own = {p: f"{p}{number}" for p in step.variables if p not in prepared}
         declared += [f"{step.variables[p]} {variable};" for p, variable in own.items()]
         calls += [f"{_numbered(place, number)} = {values[name]};" for name, place in step.inputs.items()]
-        calls.append(f"{step.call(own)};")
+        calls.append(f"{call(step, own)};")
         outputs = {name: _numbered(place, number) for name, place in step.outputs.items()}
         if table.law and number == 0:
             values |= outputs
@@ -85,7 +93,7 @@ def _check(table: Table, steps: Sequence[Step], before: Sequence[Step]) -> list[
 
 
 def _numbered(place: str, number: int) -> str:
-    """``twist.vx`` of the variable ``twist0``."""
+    """Return ``twist0.vx`` for ``twist.vx`` and the number 0."""
     variable, dot, member = place.partition(".")
     return f"{variable}{number}{dot}{member}"
 
@@ -94,7 +102,7 @@ def _numbered(place: str, number: int) -> str:
 
 
 def _rows(vectors: Sequence[Vector], scalar: str) -> Iterator[str]:
-    """The lines of an array of rows, what each is in front of it where that changes."""
+    """Yield the lines of an array of rows, with a comment before a row if its text differs from the last row's."""
     before = ""
     for vector in vectors:
         if vector.text != before:
@@ -107,6 +115,7 @@ def _rows(vectors: Sequence[Vector], scalar: str) -> Iterator[str]:
 
 
 def _wrapped(numbers: Sequence[str]) -> Iterator[str]:
+    """Yield the lines of a row."""
     line = "    {"
     for text in numbers:
         if len(line) + len(text) + 2 > WIDTH:
@@ -117,16 +126,18 @@ def _wrapped(numbers: Sequence[str]) -> Iterator[str]:
 
 
 def _literal(value: float, scalar: str) -> str:
-    """The shortest decimal of ``value``, a float32 for ``float``."""
+    """Return the shortest decimal that reads back as ``value``, a float32 if ``scalar`` is float."""
     if scalar == "double":
         return repr(value)
     return f"{np.float32(value)!s}f"
 
 
 def _upwards(value: float, scalar: str) -> str:
-    """Two digits at most, not below ``value``."""
+    """Return ``value``, rounded up to at most two digits."""
     power = floor(log10(value)) - 1
-    digits = ceil(value / 10.0**power * (1 - 1e-9))
+    digits = ceil(
+        value / 10.0**power * (1 - 1e-9)
+    )  # a value of two digits stays, whatever the division rounds
     if digits % 10 == 0:
         digits, power = digits // 10, power + 1
     return f"{digits}e{power}" + ("f" if scalar == "float" else "")

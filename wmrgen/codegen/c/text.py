@@ -1,7 +1,8 @@
-"""What C text is made of: comments, prototypes, constants and structs.
+"""The parts of C text: comments, prototypes, constants and structs.
 
-Comments are printable ASCII that can neither end a comment nor confuse a compiler. Constants are the shortest decimals
-that read back. A struct has one member per scalar, and one nested struct per wheel."""
+Comments are printable ASCII, and no text can end a comment or confuse a compiler. Constants are the shortest decimals
+that read back exactly. A struct has a member for each scalar, and a nested struct for each wheel.
+"""
 
 from __future__ import annotations
 
@@ -15,17 +16,19 @@ from functools import lru_cache
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
+from wmrgen.codegen.unit import Field, Struct
+from wmrgen.codegen.unit import struct as struct_of
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.nodes import Port
 from wmrgen.ir.rounding import constant, nearest_float32, to_float32
 
 WIDTH = 100  # columns of comments, structs and prototypes
-STATEMENT = 120  # columns of a statement
+STATEMENT = 120  # columns of a statement: expressions are easier to read on one line
 NO_TYPES: Mapping[str, str] = {}
 
 
 def _plain(char: str) -> str:
-    """ASCII for one character: a Greek letter by its name, an accented letter without its accent."""
+    """Return ASCII for one character: a Greek letter by its name, an accented letter without its accent."""
     if " " <= char <= "~":
         return char
     name = unicodedata.name(char, "")
@@ -39,8 +42,10 @@ def _plain(char: str) -> str:
 
 
 def comment_text(text: str) -> str:
-    """``text`` on one line, without comment marks, trigraphs, backslashes or letters beyond ASCII; Doxygen finds no
-    command, tag or link in it."""
+    """Return ``text`` on one line of ASCII without comment marks, trigraphs or backslashes.
+
+    Doxygen finds no command, tag or link in it.
+    """
     plain = " ".join(text.split())
     if not (plain.isascii() and plain.isprintable()):
         plain = "".join(_plain(char) for char in plain)
@@ -52,12 +57,18 @@ def comment_text(text: str) -> str:
 
 
 def comment_lines(text: str, width: int = WIDTH - 3) -> list[str]:
-    """``text`` escaped and wrapped for a block comment whose lines begin with `` * ``."""
+    """Return ``text``, escaped and wrapped for a block comment whose lines begin with `` * ``."""
     return textwrap.wrap(comment_text(text), width, break_on_hyphens=False) or [""]
 
 
 def block_comment(paragraphs: Sequence[str], indent: str = "", doxygen: bool = False) -> list[str]:
-    """The finished lines of one comment, each paragraph starting on a line of its own; ``doxygen`` reads it, too."""
+    """Return the lines of a comment.
+
+    Args:
+        paragraphs: Text; each paragraph starts on a new line.
+        indent: Spaces before each line.
+        doxygen: Whether Doxygen reads the comment.
+    """
     begin = "/**" if doxygen else "/*"
     lines = [line for text in paragraphs for line in comment_lines(text, WIDTH - len(indent) - 6)]
     if len(lines) == 1:
@@ -67,7 +78,13 @@ def block_comment(paragraphs: Sequence[str], indent: str = "", doxygen: bool = F
 
 
 def prototype(head: str, parameters: Sequence[str], separator: str = ",\n    ") -> str:
-    """``head(parameters)``, on lines of their own where one line does not hold them."""
+    """Return ``head(parameters)``, with each parameter on its own line if they do not fit on one.
+
+    Args:
+        head: Return type and name.
+        parameters: Declarations of the parameters.
+        separator: Text between two parameters on separate lines.
+    """
     line = f"{head}({', '.join(parameters)})"
     return line if len(line) < WIDTH else f"{head}(\n    {separator.join(parameters)})"
 
@@ -75,21 +92,21 @@ def prototype(head: str, parameters: Sequence[str], separator: str = ",\n    ") 
 def _shortest_single(value: float) -> str:
     for digits in range(1, 9):
         text = f"{value:.{digits}g}"
-        # The quick test rounds twice, by way of float64; the exact one has the last word.
+        # The first test is fast, but rounds twice (to float64, then to float32); the second is exact.
         if nearest_float32(float(text)) == value and to_float32(Exact(Fraction(text))) == value:
             return text
     return f"{value:.9g}"
 
 
 def _positional(text: str) -> str:
-    """The decimal without an exponent where that is no longer to read: 20 for 2e+01."""
+    """Return the decimal without an exponent if that has at most 10 characters: 20 for 2e+01."""
     plain = format(Decimal(text), "f")
     return plain if len(plain.lstrip("-")) <= 10 else text
 
 
 @lru_cache(maxsize=4096)
 def literal(value: Exact, scalar: str) -> str:
-    """The shortest decimal that reads back as the correctly rounded value; negative ones in parentheses."""
+    """Return the shortest decimal that reads back as the correctly rounded value; a negative one in parentheses."""
     number = constant(value, single=scalar == "float")
     text = _positional(_shortest_single(number) if scalar == "float" else repr(number))
     if not set(text) & set(".e"):
@@ -100,12 +117,16 @@ def literal(value: Exact, scalar: str) -> str:
 
 _INDENT = "    "
 _SEPARATORS = ((" ? ", " : "), (", ",), (" && ", " || "), (" + ", " - "), (" * ", " / "))
-_BEHIND = {", ", " && ", " || "}  # these end a line, the others begin one
+_ENDING = {", ", " && ", " || "}  # separators that end a line; the others begin the next line
 
 
 def folded(text: str) -> str:
-    """``text`` of C with longer statements on several lines, a comment behind one above it."""
-    return "".join(f"{line}\n" for long in text.splitlines() for line in _folded(long))
+    """Return C text in which statements longer than `STATEMENT` are split into several lines.
+
+    A comment after a statement that is too long moves above it.
+    """
+    lines = [line for long in text.splitlines() for line in _folded(long)]
+    return "".join(f"{line}\n" for line in lines)
 
 
 def _folded(line: str) -> list[str]:
@@ -118,23 +139,24 @@ def _folded(line: str) -> list[str]:
         return [f"/*{note.replace('<', '', 1)}", code]
     if mark:
         lines = _folded(code.rstrip())
-        # Doxygen looks for what a comment is about before it.
-        return [*lines, f"{indent}{_INDENT}/*{note}"] if note[:2] == "*<" else [f"{indent}/*{note}", *lines]
+        if note[:2] == "*<":  # for Doxygen, the declaration comes before this comment
+            return [*lines, f"{indent}{_INDENT}/*{note}"]
+        return [f"{indent}/*{note}", *lines]
     first, *rest = _pieces(bare, STATEMENT - len(indent))
     return [indent + first, *(line for piece in rest for line in _folded(indent + _INDENT + piece))]
 
 
 def _pieces(code: str, width: int) -> list[str]:
-    """``code`` parted where it binds least, outside brackets: a choice at its arms, sums and arguments where a line is
-    full. Else within its longest brackets."""
+    """Split ``code`` at the operators outside brackets that bind least; without any, inside its longest brackets.
+
+    A conditional expression is split at its arms, other expressions where a line is full.
+    """
     depths = list(accumulate((char in "([") - (char in ")]") for char in code))
     for separators in _SEPARATORS:
-        cuts = [
-            k + (len(mark) if mark in _BEHIND else 1)
-            for mark in separators
-            for k in range(len(code))
-            if not depths[k] and code.startswith(mark, k)
-        ]
+        cuts = []
+        for mark in separators:
+            places = [k for k in range(len(code)) if not depths[k] and code.startswith(mark, k)]
+            cuts += [k + (len(mark) if mark in _ENDING else 1) for k in places]
         parts = [code[a:b].strip() for a, b in pairwise([0, *sorted(cuts), len(code)])]
         if len(parts) > 1:
             if separators[0] == " ? ":
@@ -150,7 +172,7 @@ def _pieces(code: str, width: int) -> list[str]:
 
 
 def _filled_lines(parts: Sequence[str], width: int) -> list[str]:
-    """As many parts on each line as it holds; further lines have their indent."""
+    """Put as many parts on each line as fit; the first line has no indent."""
     lines = [parts[0]]
     for part in parts[1:]:
         if len(lines[-1]) + 1 + len(part) <= width - len(_INDENT) * (len(lines) > 1):
@@ -160,19 +182,14 @@ def _filled_lines(parts: Sequence[str], width: int) -> list[str]:
     return lines
 
 
-_Row = tuple[str, str, str]  # indent, declaration, comment
-
-
-class Struct(NamedTuple):
-    """``lines`` of the typedef; ``members``: contract name -> member path (``left.spin``)."""
-
-    name: str
-    lines: tuple[str, ...]
-    members: Mapping[str, str]
+class _Row(NamedTuple):
+    indent: str
+    declaration: str
+    comment: str
 
 
 def _identifier(name: str, used: set[str]) -> str:
-    """A C identifier like ``name``, which is added to those ``used``."""
+    """Return an unused C identifier that resembles ``name``, and add it to ``used``."""
     result = re.sub(r"[^A-Za-z0-9_]", "_", name)
     if not result[:1].isalpha():
         result = "k" + result
@@ -182,30 +199,61 @@ def _identifier(name: str, used: set[str]) -> str:
     return result
 
 
-def _paths(ports: tuple[Port, ...]) -> dict[str, tuple[str, str]]:
-    """Contract name -> (wheel or "", member), in C identifiers free of clashes at each level."""
-    paths: dict[str, tuple[str, str]] = {}
-    wheels = {"": ""}
-    used: dict[str, set[str]] = {"": set()}
-    for port in sorted(ports, key=lambda port: "." in port.name):  # a name without a dot keeps its own
-        wheel, _, member = port.name.rpartition(".")
-        if wheel not in wheels:
-            wheels[wheel] = _identifier(wheel, used[""])
-            used[wheel] = set()
-        paths[port.name] = wheels[wheel], _identifier(member, used[wheel])
-    return paths
+def struct(name: str, ports: Sequence[Port], text: str) -> Struct:
+    """Return the C struct ``name`` of ``ports``, at least one (C99 has no empty struct).
+
+    Args:
+        name: Name of the type.
+        ports: The members.
+        text: What the struct is.
+    """
+    return struct_of(name, ports, text, _identifier)
+
+
+def typedef(struct: Struct, scalar: str, types: Mapping[str, str] = NO_TYPES) -> list[str]:
+    """Return the lines that declare ``struct``.
+
+    Args:
+        struct: The type.
+        scalar: Type of the members.
+        types: Contract name -> type of the members that have another type.
+    """
+    shared = _shared_texts(struct.ports)
+    rows: list[_Row] = []
+    for field in sorted(struct.fields, key=lambda field: bool(field.inner)):  # scalars first, then wheels
+        rows += _rows(field, scalar, shared.keys(), types)
+    column = max(len(row.indent + row.declaration) for row in rows)
+    paragraphs = [struct.text, *(f"{joint}: {text}." for joint, text in shared.items())]
+    lines = [*block_comment(paragraphs, doxygen=True), "typedef struct {"]
+    for row in rows:
+        lines += _commented(row, column)
+    return [*lines, f"}} {struct.name};"]
+
+
+def _rows(field: Field, scalar: str, shared: Collection[str], types: Mapping[str, str]) -> list[_Row]:
+    """Return the declarations of a member. The struct of a wheel with one joint is on one line."""
+    if field.port is not None:
+        kind = types.get(field.port.name, scalar)
+        return [_Row("    ", f"{kind} {field.name};", _note(field.port, shared))]
+    inner = [row for each in field.inner for row in _rows(each, scalar, shared, types)]
+    if len(inner) == 1:
+        comment = inner[0].comment or f"of {field.name}"
+        return [_Row("    ", f"struct {{ {inner[0].declaration} }} {field.name};", comment)]
+    deeper = [row._replace(indent="        ") for row in inner]
+    end = _Row("    ", f"}} {field.name};", f"joints of {field.name}")
+    return [_Row("    ", "struct {", ""), *deeper, end]
 
 
 def _note(port: Port, shared: Collection[str]) -> str:
-    """Unit, text and nominal value of ``port``; the text not where the comment of the struct has it."""
+    """Return unit, text and nominal value of ``port``, without a text that the comment of the struct has."""
     text = "" if port.name.partition(".")[2] in shared else port.text
     nominal = "" if port.default is None else f"(nominal {float(port.default):.6g})"
     unit = f"[{port.unit}]" if port.unit else ""
     return comment_text(" ".join(part for part in (unit, text, nominal) if part))
 
 
-def _shared_texts(ports: tuple[Port, ...]) -> dict[str, str]:
-    """Joint (``spin``) -> text, where several wheels have that joint and all say the same about it."""
+def _shared_texts(ports: Sequence[Port]) -> dict[str, str]:
+    """Return the text of each joint (``spin``) that several wheels have with the same text."""
     texts: dict[str, list[str]] = {}
     for port in ports:
         joint = port.name.partition(".")[2]
@@ -214,45 +262,11 @@ def _shared_texts(ports: tuple[Port, ...]) -> dict[str, str]:
     return {joint: same[0] for joint, same in texts.items() if len(same) > 1 and len(set(same)) == 1}
 
 
-def _commented(declaration: str, indent: str, column: int, note: str) -> list[str]:
-    """``declaration`` with ``note`` behind it where that fits, else above."""
-    if not note:
-        return [indent + declaration]
-    line = (indent + declaration).ljust(column) + f" /**< {note} */"
+def _commented(row: _Row, column: int) -> list[str]:
+    """Return a declaration with its comment, after it if that fits on the line, otherwise above it."""
+    if not row.comment:
+        return [row.indent + row.declaration]
+    line = (row.indent + row.declaration).ljust(column) + f" /**< {row.comment} */"
     if len(line) <= WIDTH:
         return [line]
-    return [*block_comment([note], indent, doxygen=True), indent + declaration]
-
-
-def _group(wheel: str, members: list[_Row]) -> list[_Row]:
-    """The nested struct of a wheel: on one line when it has one member."""
-    if len(members) == 1:
-        return [("    ", f"struct {{ {members[0][1]} }} {wheel};", members[0][2] or f"of {wheel}")]
-    inner: list[_Row] = [("        ", declaration, note) for _, declaration, note in members]
-    return [("    ", "struct {", ""), *inner, ("    ", f"}} {wheel};", f"joints of {wheel}")]
-
-
-def struct(
-    name: str, ports: tuple[Port, ...], scalar: str, note: str, types: Mapping[str, str] = NO_TYPES
-) -> Struct:
-    """The typedef ``name`` for ``ports``, which must not be empty (C99 has no empty struct).
-
-    ``types``: of ports that are no ``scalar``.
-    """
-    paths = _paths(ports)
-    shared = _shared_texts(ports)
-    groups: dict[str, list[_Row]] = {"": []}
-    for port in ports:
-        wheel, member = paths[port.name]
-        row = "    ", f"{types.get(port.name, scalar)} {member};", _note(port, shared.keys())
-        groups.setdefault(wheel, []).append(row)
-    rows = groups.pop("")
-    for wheel, members in groups.items():
-        rows += _group(wheel, members)
-    column = max(len(indent + declaration) for indent, declaration, _ in rows)
-    lines = block_comment([note, *(f"{joint}: {text}." for joint, text in shared.items())], doxygen=True)
-    lines.append("typedef struct {")
-    for indent, declaration, commented in rows:
-        lines += _commented(declaration, indent, column, commented)
-    named = {port.name: ".".join(filter(None, paths[port.name])) for port in ports}
-    return Struct(name, (*lines, f"}} {name};"), named)
+    return [*block_comment([row.comment], row.indent, doxygen=True), row.indent + row.declaration]

@@ -1,4 +1,8 @@
-"""Packages of the C of a robot, one record for each kind, and the C++ header that stands in all of them."""
+"""Packages around the C of a robot, a record for each kind, and the C++ header that all of them contain.
+
+In come the finished C files and the functions of the robot; out go the files of a package. A package must not change
+the C.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-"""``<robot>.hpp``: the C functions for C++17, in a namespace, by reference; it copies nothing. And the control loop of
-a robot in C++, for its examples."""
+"""``<robot>.hpp``: the C functions for C++17, in a namespace and with references; and a control loop for examples."""
 
 from __future__ import annotations
 
@@ -10,69 +9,58 @@ from wmrgen.codegen.loop import Loop as Stages
 from wmrgen.codegen.loop import Stage, only_read
 from wmrgen.codegen.loop import loop as stages_of
 from wmrgen.codegen.render import render
-from wmrgen.codegen.signature import Argument, arguments, members
+from wmrgen.codegen.signature import IN, OUT, PARAMS, PREPARED, Argument, arguments, members, signatures
 from wmrgen.errors import NotDerivableError
 from wmrgen.geometry.ports import GYRO
-from wmrgen.ir.nodes import Function, Module, Role
-
-_PREPARED = Argument("prepared", "prepared", {}, {})
-_PARAMS = Argument("params", "params", {}, {})
-_FILLED = {"x": "x"}  # of an argument that a function fills, whatever with
+from wmrgen.ir.nodes import Module
 
 
 def header(module: Module, scalar: str) -> str:
-    """The text of the header."""
-    shared = members(module)
-    prepare = module.prepare
-    kinds = [*shared, *(["prepared"] if prepare else []), *(["params"] if prepare and prepare.inputs else [])]
+    """Return the text of the header; ``scalar``: ``float`` or ``double``."""
+    shared, functions = members(module), _arguments(module)
+    kinds = list(shared)
+    for kind in (PREPARED, PARAMS):
+        if any(argument.kind == kind for own in functions.values() for argument in own):
+            kinds.append(kind)
+    views = []
+    for kind, ports in shared.items():
+        views.append((_name(kind), len(ports), ", ".join(f"&of.{port.name}" for port in ports)))
+    lines: list[str] = []
+    for name, own in functions.items():
+        lines += _wrapper(module.name, name, own)
     return render(
         "package/robot.hpp.j2",
         robot=module.name,
         upper=module.name.upper(),
         scalar=scalar,
         types=[(_name(kind), f"{module.name}_{kind}") for kind in kinds],
-        views=[
-            (_name(kind), len(ports), ", ".join(f"&of.{port.name}" for port in ports))
-            for kind, ports in shared.items()
-        ],
-        functions=[
-            line for name, own in _functions(module).items() for line in _wrapped(module.name, name, own)
-        ],
+        views=views,
+        functions=lines,
     )
 
 
-def passed(module: Module, function: Function) -> tuple[Argument, ...]:
-    """The arguments of a function of ``module``, what `prepare` gives among them."""
-    reads = any(port.role is Role.PREPARED for port in function.inputs)
-    return (*([_PREPARED] if reads else []), *arguments(function, module.joints))
-
-
-def preparing(module: Module) -> dict[str, tuple[Argument, ...]]:
-    """Name -> arguments of what is called before functions that read what `prepare` gives."""
-    if not module.prepare:
-        return {}
-    params, prepared = (argument._replace(writes=_FILLED) for argument in (_PARAMS, _PREPARED))
-    if not module.prepare.inputs:
-        return {"prepare": (prepared,)}
-    return {"params_default": (params,), "prepare": (_PARAMS, prepared)}
-
-
-def _functions(module: Module) -> dict[str, tuple[Argument, ...]]:
-    """Name -> arguments of every C function."""
-    steps = {function.name: passed(module, function) for function in module.functions if function.outputs}
-    return preparing(module) | steps
+def _arguments(module: Module) -> dict[str, tuple[Argument, ...]]:
+    """Return the arguments of every C function by name."""
+    found: dict[str, tuple[Argument, ...]] = {}
+    for signature in signatures(module):
+        for argument in signature.arguments:
+            if argument.kind == PARAMS:
+                found["params_default"] = (Argument(PARAMS, PARAMS, {}, argument.reads),)
+        found[signature.function.name] = signature.arguments
+    return found
 
 
 def _name(kind: str) -> str:
-    """``PoseCovariance`` of ``pose_covariance``."""
+    """Return ``PoseCovariance`` for ``pose_covariance``."""
     return "".join(word.capitalize() for word in kind.split("_"))
 
 
-def _wrapped(robot: str, name: str, own: tuple[Argument, ...]) -> Iterator[str]:
+def _wrapper(robot: str, name: str, own: tuple[Argument, ...]) -> Iterator[str]:
+    """Yield the lines of the C++ function ``name`` and, if it has inputs, of its checked variant."""
     declared = ", ".join(_declared(robot, name, argument) for argument in own)
     words = ", ".join(f"{'' if argument.by_value else '&'}{argument.name}" for argument in own)
     yield from (f"inline void {name}({declared}) noexcept", "{", f"    ::{robot}_{name}({words});", "}")
-    if any(argument.reads or argument is _PARAMS for argument in own):
+    if any(argument.reads and argument.kind != PREPARED for argument in own):
         head = f"[[nodiscard]] inline Status {name}_checked({declared}) noexcept"
         yield from (head, "{", f"    return ::{robot}_{name}_checked({words});", "}")
 
@@ -80,40 +68,36 @@ def _wrapped(robot: str, name: str, own: tuple[Argument, ...]) -> Iterator[str]:
 def _declared(robot: str, function: str, argument: Argument) -> str:
     if not argument.kind:
         return f"Scalar &{argument.name}" if argument.writes else f"Scalar {argument.name}"
-    kind = f"{robot}_{function}_{argument.kind}" if argument.kind in ("in", "out") else _name(argument.kind)
+    kind = f"{robot}_{function}_{argument.kind}" if argument.kind in (IN, OUT) else _name(argument.kind)
     return f"{'' if argument.writes else 'const '}{kind} &{argument.name}"
 
 
-# ---- a control loop of the functions that a robot has: from measured wheels to the pose, and from a twist to commands
+# ---- a control loop with the functions of the robot: from measured wheels to the pose, and from a twist to commands
 
 
 class Call(NamedTuple):
-    """A call of a function of the robot: its words, and the variables that it takes with their types."""
+    """A call of a function of the robot."""
 
-    function: str
-    words: tuple[str, ...]
-    variables: Mapping[str, str]
+    function: str  # name in C
+    words: tuple[str, ...]  # arguments as written
+    variables: Mapping[str, str]  # variables that it takes, with their types
 
     def text(self, ending: str = "") -> str:
-        """The call, of the function whose name has this ``ending``."""
+        """Return the call; ``ending`` is appended to the name of the function."""
         return f"{self.function}{ending}({', '.join(self.words)})"
 
 
 class Loop(NamedTuple):
-    """``prepare`` once, then ``sense`` and ``act`` in every step. ``covariance``: the pose has one.
-
-    ``keep``: statements before ``act``. ``swivel``: statements that turn castors as they are commanded. ``measured``:
-    the joints that must be measured. ``twist``: the variable whose twist is commanded.
-    """
+    """A control loop: ``prepare`` is called once, then ``sense`` and ``act`` in every step."""
 
     prepare: tuple[Call, ...]
     sense: tuple[Call, ...]
     act: tuple[Call, ...]
-    covariance: bool
-    keep: tuple[str, ...]
-    swivel: tuple[str, ...]
-    measured: frozenset[str]
-    twist: str
+    covariance: bool  # whether the pose has a covariance
+    keep: tuple[str, ...]  # statements before ``act``
+    swivel: tuple[str, ...]  # statements that turn castors by their commanded rates
+    measured: frozenset[str]  # joints that must be measured
+    twist: str  # variable of the twist that `inverse` commands
 
     @property
     def variables(self) -> dict[str, str]:
@@ -122,54 +106,61 @@ class Loop(NamedTuple):
         return {name: kind for call in calls for name, kind in call.variables.items()}
 
 
+_PREPARING = ("params_default", "prepare")
+
+
 def loop(module: Module, scalar: str, covariances: bool = True) -> Loop:
-    """The loop of ``module``, with ``covariances`` where it has them. NotDerivableError where it neither drives nor
-    senses wheels."""
-    functions = {function.name: function for function in module.functions if function.outputs}
+    """Return the control loop of a robot.
+
+    Args:
+        module: The functions of the robot.
+        scalar: ``float`` or ``double``.
+        covariances: Whether the loop computes covariances, if the robot has them.
+
+    Raises:
+        NotDerivableError: The robot neither drives nor senses wheels.
+    """
+    functions = _arguments(module)
     if not {"forward", "inverse"} <= functions.keys():
         raise NotDerivableError(
-            f"{module.name} has no loop to write: it neither drives nor senses wheels. Its functions are in the other "
-            "packages, cmake for one."
+            f"{module.name} has no loop to write, because it neither drives nor senses wheels. Use another package, "
+            "for example cmake."
         )
 
-    def call(name: str, arguments: Sequence[Argument], called: Mapping[str, str]) -> Call:
+    def call(name: str, renamed: Mapping[str, str]) -> Call:
         words, variables = [], {}
-        for argument in arguments:
-            variable = called.get(argument.name, argument.name)
+        for argument in functions[name]:
+            variable = renamed.get(argument.name, argument.name)
             words.append(f"{'' if argument.by_value else '&'}{variable}")
             if not argument.by_value or variable == GYRO.name:
                 variables[variable] = f"{module.name}_{argument.kind}" if argument.kind else scalar
         return Call(f"{module.name}_{name}", tuple(words), variables)
 
     def calls(stages: Sequence[Stage]) -> tuple[Call, ...]:
-        return tuple(
-            call(stage.function, passed(module, functions[stage.function]), stage.variables)
-            for stage in stages
-        )
+        return tuple(call(stage.function, stage.variables) for stage in stages)
 
-    stages = stages_of(module, functions, covariances)
-    acts, read = calls(stages.acts), only_read(module)
+    stages, read = stages_of(module, functions.keys() - set(_PREPARING), covariances), only_read(module)
     kept = [f"commands.{member} = wheels.{member};" for member in read]
     if any("before" in stage.variables.values() for stage in stages.acts):
         kept.insert(0, "before = commands;")
+    swivel = []
+    for member in read:
+        if f"{member}_rate" in (module.joints or ()):
+            swivel.append(f"wheels.{member} += dt * commands.{member}_rate;")
     return Loop(
-        tuple(call(name, arguments, {}) for name, arguments in preparing(module).items()),
-        calls(stages.senses),
-        acts,
-        any(stage.function == "odometry_covariance" for stage in stages.senses),
-        tuple(kept),
-        tuple(
-            f"wheels.{member} += dt * commands.{member}_rate;"
-            for member in read
-            if f"{member}_rate" in (module.joints or ())
-        ),
-        frozenset((*read, *_measured(module, stages))),
-        next(stage.variables["twist"] for stage in stages.acts if stage.function == "inverse"),
+        prepare=tuple(call(name, {}) for name in _PREPARING if name in functions),
+        sense=calls(stages.senses),
+        act=calls(stages.acts),
+        covariance=any(stage.function == "odometry_covariance" for stage in stages.senses),
+        keep=tuple(kept),
+        swivel=tuple(swivel),
+        measured=frozenset((*read, *_measured(module, stages))),
+        twist=next(stage.variables["twist"] for stage in stages.acts if stage.function == "inverse"),
     )
 
 
 def _measured(module: Module, stages: Stages) -> Iterator[str]:
-    """The joints that functions of the loop read of ``wheels``."""
+    """Yield the joints of ``wheels`` that functions of the loop read."""
     for stage in (*stages.senses, *stages.acts):
         for argument in arguments(module.function(stage.function), module.joints):
             if stage.variables.get(argument.name, argument.name) == "wheels":

@@ -1,7 +1,7 @@
-"""Packages: folders that the tools of an ecosystem accept, around the finished C of a robot. One record for each kind.
+"""Packages: folders with the C of a robot that the tools of an ecosystem accept. There is a record for each kind.
 
-The C stands in ``src/`` as `derive` writes it, its self-test in ``src/test/``; what the ecosystem asks for beside it is
-printed by the templates in ``templates/package/<kind>/``.
+The C is in ``src/`` as `derive` writes it, and its self-test in ``src/test/``. The templates in
+``templates/package/<kind>/`` print the other files that the ecosystem requires.
 """
 
 from __future__ import annotations
@@ -27,36 +27,38 @@ _C = (".c", ".h")
 
 
 class File(NamedTuple):
-    """A file that a package adds: its ``path``, with ``{robot}`` in place, which its template is called after, and how
-    its language writes a text that may hold anything."""
+    """A file that a package adds to the C."""
 
-    path: str
-    quote: Callable[[str], str] = str
+    path: str  # with {robot} for the name of the robot
+    quote: Callable[[str], str] = str  # writes the description of the robot in the language of the file
 
     def template(self, kind: str) -> str:
+        """Return the name of the template for a package of this kind."""
         return f"package/{kind}/{PurePosixPath(self.path).name.format(robot='robot')}.j2"
 
 
 class Package(NamedTuple):
-    """A kind of package: its word on the command line, the files that it adds, and those parts of the C that it must
-    not hold: ``without`` are folders of them. ``backend``: it is what that backend writes, and has no C. ``context``:
-    what its templates print of a robot and its scalar type, beside what all kinds do."""
+    """A kind of package."""
 
-    kind: str
-    files: tuple[File, ...]
-    without: tuple[str, ...] = ()
-    backend: str = ""
-    context: Callable[[Module, str], Mapping[str, object]] = lambda _, __: {}
+    kind: str  # word on the command line
+    files: tuple[File, ...]  # that it adds to the C
+    without: tuple[str, ...] = ()  # folders of C files that it must not contain
+    backend: str = ""  # the backend that writes it, if it has no C
+    context: Callable[[Module, str], Mapping[str, object]] = (
+        lambda _, __: {}
+    )  # further variables of its templates
 
     @property
     def folder(self) -> str:
-        """Where packages of this kind stand side by side; no robot can be called so."""
+        """The folder of all packages of this kind; no robot can have this name."""
         return f"package-{self.kind}"
 
 
 def _of_arduino(module: Module, scalar: str) -> Mapping[str, object]:
-    """``types`` and ``functions`` for the editor; ``variables`` and statements of the loop, without covariances, which
-    nobody reads there."""
+    """Return the variables of Arduino's templates: names for the editor, and the statements of a control loop.
+
+    The loop has no covariances, because the sketch does not use them.
+    """
     steps = loop(module, scalar, covariances=False)
     return {
         "types": [f"{module.name}_{kind}" for kind in members(module)],
@@ -76,7 +78,7 @@ PACKAGES = {
     package.kind: package
     for package in (
         Package("cmake", (File("CMakeLists.txt"), _README)),
-        # Its tools compile every file below src/.
+        # Arduino compiles every file below src/, so the example must not be there.
         Package(
             "arduino",
             (
@@ -107,15 +109,22 @@ PACKAGES = {
 
 
 def of_kinds(words: Sequence[str]) -> list[Package]:
-    """The kinds that ``words`` name, each once. UsageError for others."""
+    """Return the packages with these words, each once. Raise UsageError for an unknown word."""
     for word in words:
         if word not in PACKAGES:
-            raise UsageError(f"there is no package for {word!r}. Kinds: {', '.join(PACKAGES)}.")
+            raise UsageError(f"there is no kind of package {word!r}. There are: {', '.join(PACKAGES)}.")
     return [PACKAGES[word] for word in dict.fromkeys(words)]
 
 
 def packaged(package: Package, module: Module, facts: Facts, files: Mapping[str, bytes]) -> dict[str, bytes]:
-    """File name -> content of the package of a robot; ``files``: all that its backends wrote."""
+    """Return the files of a package by name.
+
+    Args:
+        package: Kind of package.
+        module: The functions of the robot.
+        facts: Facts about the robot, with the options of the C.
+        files: All files that the backends wrote, by name.
+    """
     robot = module.name
     c = {
         name: content
@@ -137,20 +146,15 @@ def packaged(package: Package, module: Module, facts: Facts, files: Mapping[str,
         "headers": [f"{SOURCES}/{name}" for name in (*top, f"{robot}.hpp") if not name.endswith(".c")],
     }
     text = " ".join(facts.description.split()) or f"The wheeled robot {robot}"
-    added = {
-        file.path.format(robot=robot): render(
-            file.template(package.kind), description=file.quote(text), **context
-        )
-        for file in package.files
-    }
-    return {
-        **{f"{SOURCES}/{name}": content for name, content in c.items()},
-        f"{SOURCES}/{robot}.hpp": header(module, scalar).encode("ascii"),
-        **{name: text.encode() for name, text in added.items()},
-    }
+    written = {f"{SOURCES}/{name}": content for name, content in c.items()}
+    written[f"{SOURCES}/{robot}.hpp"] = header(module, scalar).encode("ascii")
+    for file in package.files:
+        rendered = render(file.template(package.kind), description=file.quote(text), **context)
+        written[file.path.format(robot=robot)] = rendered.encode()
+    return written
 
 
 def _version(text: str) -> str:
-    """Three numbers, as every ecosystem has them."""
+    """Return a version of three numbers, which every ecosystem accepts."""
     match = re.match(r"\d+\.\d+\.\d+", text)
     return match[0] if match else "0.0.0"

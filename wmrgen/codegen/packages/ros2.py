@@ -1,4 +1,4 @@
-"""What the templates of the ROS 2 package print of a robot: joints, covariances, parameters."""
+"""The variables of the templates of the ROS 2 package: joints, covariances, parameters."""
 
 from __future__ import annotations
 
@@ -8,19 +8,22 @@ from wmrgen.codegen.packages.cpp import loop
 from wmrgen.geometry.ports import GYRO, POSE_COVARIANCE, TWIST_COVARIANCE
 from wmrgen.ir.nodes import Module
 
-_QUANTITIES = {
+_QUANTITIES = {  # joint -> ending of its name in ROS, field of a joint state
     "spin": ("spin", "velocity"),
     "steer": ("steer", "position"),
     "steer_rate": ("steer", "velocity"),
 }
-_AXES = (0, 1, 5)  # of x, y and yaw among the six of a message
+_AXES = (0, 1, 5)  # indices of x, y and yaw among the six axes of a message
 _PAIRS = [(i, j) for k, i in enumerate(_AXES) for j in _AXES[k:]]
-_NOTE = "pose_variance, twist_variance: of x, y, yaw and their rates; this robot has no odometry_covariance"
+_NOTE = "pose_variance, twist_variance: variances of x, y, yaw and of their rates (there is no odometry_covariance)"
 
 
 def context(module: Module, scalar: str) -> Mapping[str, object]:
-    """``joints``: what ROS calls each by default, which quantity of it, whether it must be measured; ``commanded``:
-    index and quantity of those that the robot drives; variables, calls and parameters of the node."""
+    """Return the variables of the templates for a robot.
+
+    ``joints`` has for each joint its default name in ROS, the quantity (velocity or position), and whether it must be
+    measured. ``commanded`` has index and quantity of the joints that the robot drives.
+    """
     steps = loop(module, scalar)
     functions = {function.name: function for function in module.functions}
     joints = []
@@ -30,14 +33,13 @@ def context(module: Module, scalar: str) -> Mapping[str, object]:
         joints.append((f"{wheel}_{ending}", quantity, str(name in steps.measured).lower()))
     driven = {port.name for port in functions["inverse"].outputs}
     parts = ("pose", POSE_COVARIANCE), ("twist", TWIST_COVARIANCE)
-    if steps.covariance:
-        values = [
-            (part, i, j, f"{part}_covariance.{port.name}")
-            for part, ports in parts
-            for (i, j), port in zip(_PAIRS, ports, strict=True)
-        ]
-    else:
-        values = [(part, i, i, f"{part}_variance_[{k}]") for part, _ in parts for k, i in enumerate(_AXES)]
+    values = []  # part of the message, row, column, expression
+    for part, ports in parts:
+        if steps.covariance:
+            for (i, j), port in zip(_PAIRS, ports, strict=True):
+                values.append((part, i, j, f"{part}_covariance.{port.name}"))
+        else:
+            values += [(part, i, i, f"{part}_variance_[{k}]") for k, i in enumerate(_AXES)]
     names = [] if steps.covariance else [f"{part}_variance" for part, _ in parts]
     default = "std::vector<double>{1e-3, 1e-3, 1e-3}"
     return {
@@ -67,9 +69,9 @@ def context(module: Module, scalar: str) -> Mapping[str, object]:
         "variance_members": [f"std::vector<double> {name}_;" for name in names],
         "variance_readme": [
             "",
-            "Its covariances are parameters: for propagated ones write `noise:` of the joints and",
+            "The covariances are parameters. To propagate them from the joints, write `noise:` for the joints and",
             "`functions: [forward_covariance, odometry_covariance]` into the robot file.",
         ]
         if names
-        else ["", "Its covariances are propagated from the noise of the joints; slip raises them."],
+        else ["", "The covariances are propagated from the noise of the joints; slip increases them."],
     }

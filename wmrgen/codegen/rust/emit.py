@@ -1,4 +1,4 @@
-"""All files of a crate, through templates/rust: its manifest, the library and the self-test."""
+"""All files of a crate, by templates/rust: its manifest, the library and the self-test."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 
 from wmrgen.codegen.registry import Facts
 from wmrgen.codegen.render import render
-from wmrgen.codegen.rust.functions import unit
-from wmrgen.codegen.rust.records import Unit
-from wmrgen.codegen.rust.types import Struct, crate, doc, literal, number, package, wrapped
+from wmrgen.codegen.rust.functions import block, outputs_of, scalar_of, step_of, unit
+from wmrgen.codegen.rust.text import crate, declaration, doc, literal, number, package, value, wrapped
+from wmrgen.codegen.unit import Struct, Unit
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.ports import Site
 from wmrgen.ir.kernels.choice import Choice
@@ -23,7 +23,7 @@ NO_FACTS = Facts()
 
 
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
-    """File name -> content. Options are those of `Choice`."""
+    """Return all files by name. The options in ``facts`` are the fields of `Choice`."""
     functions = unit(module, Choice(**{key: str(word) for key, word in facts.options.items()}))
     texts = {
         "Cargo.toml": render(
@@ -43,24 +43,33 @@ def _title(functions: Unit, facts: Facts) -> str:
 
 
 def library(functions: Unit, facts: Facts = NO_FACTS) -> str:
-    """The text of ``src/lib.rs``."""
-    params = next((s for s in functions.structs if s.name == "Params"), None)
-    wheels = next((s for s in functions.structs if s.name == "Wheels"), None)
-    groups = [field for struct in functions.structs for field in struct.fields if field.inner]
-    nested = {field.type: Struct(field.type, "Of a wheel.", field.inner, {}) for field in groups}
+    """Return the text of ``src/lib.rs``."""
+    scalar = scalar_of(functions)
+    params, wheels = functions.structs.get("Params"), functions.structs.get("Wheels")
+    joints = list(wheels.members.values()) if wheels else []
+    structs: dict[str, dict[str, Any]] = {}
+    nested: dict[str, dict[str, Any]] = {}
+    for struct in functions.structs.values():
+        own, *inner = declaration(struct, scalar)
+        structs[own["name"]] = own
+        nested |= {each["name"]: each for each in inner}
+    constants = []
+    for name, number_, text in facts.constants:
+        constants.append(
+            (name.upper().replace(".", "_"), literal(Exact(Fraction(number_)), scalar), doc(text))
+        )
     return render(
         "rust/lib.rs.j2",
         about=_about(functions, facts),
         model_hash=facts.model_hash,
-        scalar=functions.scalar,
-        constants=[
-            (name.upper().replace(".", "_"), literal(Exact(Fraction(value)), functions.scalar), doc(text))
-            for name, value, text in facts.constants
-        ],
-        structs=[*functions.structs, *nested.values()],
-        nominal=params.value(functions.nominal) if params else [],
-        joints=functions.joints,
-        from_joints=wheels.value({n: f"joints[{k}]" for k, n in enumerate(wheels.paths)}) if wheels else [],
+        scalar=scalar,
+        constants=constants,
+        structs=[*structs.values(), *nested.values()],
+        nominal=_nominal(params, scalar) if params else [],
+        joints=joints,
+        from_joints=value(wheels, {joint: f"joints[{k}]" for k, joint in enumerate(joints)})
+        if wheels
+        else [],
         steps=functions.steps,
         kernels=functions.kernels,
         vectors=dict.fromkeys(kernel.struct for kernel in functions.kernels if kernel.struct),
@@ -70,15 +79,25 @@ def library(functions: Unit, facts: Facts = NO_FACTS) -> str:
     )
 
 
+def _nominal(params: Struct, scalar: str) -> list[str]:
+    """Return the lines of the nominal parameters."""
+    texts = {}
+    for port in params.ports:
+        if port.default is not None:
+            texts[params.members[port.name]] = literal(port.default, scalar)
+    return value(params, texts)
+
+
 def _library(functions: Unit) -> list[dict[str, str]]:
-    """What is called that neither Rust nor the crate has, by name."""
+    """Return the functions of the C library that the crate calls, sorted by name."""
     called = {}
-    suffix = "f" if functions.scalar == "f32" else ""
+    scalar = scalar_of(functions)
+    suffix = "f" if scalar == "f32" else ""
     for op in functions.ops:
         name, call, _ = (op.rust or op.c).replace("{f}", suffix).partition("(")
         if call and name.isidentifier() and not name.startswith("wmrgen_"):
             letters = "abcd"[: op.arity]
-            parameters = ", ".join(f"{letter}: {functions.scalar}" for letter in letters)
+            parameters = ", ".join(f"{letter}: {scalar}" for letter in letters)
             called[name] = {"name": name, "parameters": parameters, "arguments": ", ".join(letters)}
     return [called[name] for name in sorted(called)]
 
@@ -87,51 +106,42 @@ def _library(functions: Unit) -> list[dict[str, str]]:
 
 
 def _about(functions: Unit, facts: Facts) -> list[str]:
-    """The documentation of the crate."""
+    """Return the documentation of the crate."""
     called = ", ".join(f"`{f['name']}`" for f in _library(functions))
     words = " ".join(f"--{name} {word}" for name, word in functions.choice.words().items())
     paragraphs = [
         f"{doc(_title(functions, facts))}.",
-        doc(
-            f"Generated by wmrgen {facts.wmrgen_version} (sympy {facts.sympy_version}), model {facts.model_hash}."
-        )
+        doc(f"Generated by wmrgen {facts.wmrgen_version}, model {facts.model_hash}.")
         + " This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.",
         "Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.",
-        "What a function gives whole it returns. Of what is passed as `&mut` it changes the members that its "
-        "documentation names, and no others.",
-        f"Straight-line code in {functions.scalar}: no loops, recursion, allocation or panics. Results are to the bit "
-        f"those of the C that `wmrgen derive {words}` writes: the same operations in the same order, which Rust "
-        "neither contracts nor regroups. NaN is not caught, and inputs are not checked.",
+        "A function returns the values that it computes completely. In an argument that is passed as `&mut`, it "
+        "changes only the members that its documentation names.",
+        f"Straight-line code in {scalar_of(functions)}: no loops, recursion, allocation or panics. Results are bit "
+        f"for bit those of the C that `wmrgen derive {words}` writes. The crate performs the same operations in the "
+        "same order, and Rust neither contracts nor regroups them. NaN is not detected, and inputs are not checked.",
     ]
     if called:
         paragraphs.append(
-            f"{called} {'are' if ',' in called else 'is'} the platform's, declared in the module `libm`: the C library "
-            "that a program is linked with (newlib, picolibc, glibc), or a crate that exports these symbols. Nothing "
-            "else is unsafe."
+            f"The crate calls {called} of the platform, which the module `libm` declares. Link a C library (newlib, "
+            "picolibc, glibc) or a crate that exports these symbols. Nothing else is unsafe."
         )
     lines = [line for text in paragraphs for line in (*wrapped(text), "")] + _example(functions)
-    for title, block in (
+    for title, texts in (
         ("Wheels, in the order of the robot file", facts.wheel_lines),
         ("Bounds", facts.bound_lines),
     ):
-        if block:
-            lines += [
-                f"# {title}",
-                "",
-                "```text",
-                *(line for text in block for line in _plain(text)),
-                "```",
-                "",
-            ]
+        if texts:
+            plain = [line for text in texts for line in _plain(text)]
+            lines += [f"# {title}", "", "```text", *plain, "```", ""]
     return lines[:-1]
 
 
 def _example(functions: Unit) -> list[str]:
-    """Joint commands of a twist; `cargo test` runs it."""
-    step = functions.step("inverse")
-    if step is None or not functions.joints:
+    """Return an example that computes joint commands for a twist; `cargo test` runs it."""
+    step = step_of(functions, "inverse")
+    if step is None or "Wheels" not in functions.structs:
         return []
-    called = functions.block(step, {"vx": "0.5", "vy": "0.0", "omega": "0.2"}, lambda _: "")[1:-2]
+    called = block(functions, step, {"vx": "0.5", "vy": "0.0", "omega": "0.2"}, lambda _: "")[1:-2]
     return [
         "# Example",
         "",
@@ -145,30 +155,35 @@ def _example(functions: Unit) -> list[str]:
 
 
 def _plain(text: str) -> list[str]:
-    """Lines that keep the indent of ``text``."""
+    """Return lines with the indent of ``text``."""
     bare = text.lstrip()
     return wrapped(bare, " " * (len(text) - len(bare)))
 
 
 # ---- the self-test
 
-_MARGIN = 1.01  # of tolerances, which are printed with three digits
-
 
 def selftest(module: Module, unit: Unit, site: Site) -> str:
-    """The text of the file; ``unit``: the Rust functions of ``module``."""
+    """Return the text of ``tests/selftest.rs``.
+
+    Args:
+        module: The functions of the robot.
+        unit: Its Rust functions.
+        site: What the robot file says about inputs.
+    """
+    wheels = unit.structs.get("Wheels")
     printed = [_table(table, unit) for table in tables(module, unit.choice.scalar, site)]
     return render(
         "rust/selftest.rs.j2",
         crate=crate(unit.robot),
-        scalar=unit.scalar,
-        joints=unit.joints,
+        scalar=scalar_of(unit),
+        joints=list(wheels.members.values()) if wheels else [],
         tables=printed,
     )
 
 
 def _table(table: Table, unit: Unit) -> dict[str, Any]:
-    """A table, ready to print."""
+    """Return a table, ready to print."""
     about = "{1} after {0}" if table.law else "{}" + " and {}" * (len(table.functions) - 1)
     return {
         "name": "law_of_" * table.law + f"rows_of_{table.functions[0]}",
@@ -176,7 +191,7 @@ def _table(table: Table, unit: Unit) -> dict[str, Any]:
             f"{about.format(*table.functions)}. Columns: {', '.join((*table.inputs, *table.outputs))}."
         ),
         "width": len(table.inputs) + 2 * len(table.outputs),
-        "rows": [_row(vector, unit.scalar) for vector in table.vectors],
+        "rows": [_row(vector, scalar_of(unit)) for vector in table.vectors],
         "lines": _checks(table, unit),
     }
 
@@ -184,12 +199,16 @@ def _table(table: Table, unit: Unit) -> dict[str, Any]:
 def _row(vector: Vector, scalar: str) -> list[str]:
     numbers = [number(x, scalar) for x in vector.inputs]
     for expected, tolerance in zip(vector.expected, vector.tolerance, strict=True):
-        numbers += (number(expected + 0.0, scalar), f"{tolerance * _MARGIN:.2e}")
+        enlarged = tolerance * 1.01  # so that rounding to three digits does not make it too small
+        numbers += (number(expected + 0.0, scalar), f"{enlarged:.2e}")
     return numbers
 
 
 def _checks(table: Table, unit: Unit) -> list[str]:
-    """The statements that run one row; the inputs of a law's second function are the outputs of its first."""
+    """Return the statements that run one row.
+
+    In the table of a law, the second function gets the outputs of the first as inputs.
+    """
     columns = {name: len(table.inputs) + 2 * k for k, name in enumerate(table.outputs)}
     values = {name: f"row[{k}]" for k, name in enumerate(table.inputs)}
     lines: list[str] = []
@@ -198,14 +217,14 @@ def _checks(table: Table, unit: Unit) -> list[str]:
         pairs = (f"({columns[name]}, {place})" for name, place in outputs.items() if name in columns)
         return f"check(row, &[{', '.join(pairs)}]);"
 
-    for number_, name in enumerate(table.functions):
-        step = unit.step(name)
+    for index, name in enumerate(table.functions):
+        step = step_of(unit, name)
         if step is None:
             continue
-        if table.law and number_ == 0:
-            block = unit.block(step, values, lambda outputs: f"[{', '.join(outputs.values())}]")
-            lines += [f"let first = {block[0]}", *block[1:-1], "};"]
-            values |= {output: f"first[{k}]" for k, output in enumerate(step.outputs)}
+        if table.law and index == 0:
+            first = block(unit, step, values, lambda outputs: f"[{', '.join(outputs.values())}]")
+            lines += [f"let first = {first[0]}", *first[1:-1], "};"]
+            values |= {output: f"first[{k}]" for k, output in enumerate(outputs_of(step))}
         else:
-            lines += unit.block(step, values, checked)
+            lines += block(unit, step, values, checked)
     return lines

@@ -1,17 +1,15 @@
-"""IR functions as Rust functions: signatures and bodies, and the kernels that they call."""
+"""Functions as Rust: their signatures and bodies; the kernels that they call, and calls of them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
 from wmrgen.codegen.expression import Results, Style, body, expanded, results_of
-from wmrgen.codegen.rust.records import Kernel, Parameter, Step, Unit
-from wmrgen.codegen.rust.types import (
+from wmrgen.codegen.rust.text import (
     SCALARS,
-    Struct,
     doc,
     identifier,
     literal,
@@ -19,81 +17,152 @@ from wmrgen.codegen.rust.types import (
     signature,
     struct,
     type_name,
+    value,
     wrapped,
 )
-from wmrgen.codegen.signature import IN, OUT, Argument, arguments, members
+from wmrgen.codegen.signature import IN, OUT, PARAMS, PREPARED, Signature, members, signatures
+from wmrgen.codegen.unit import Kernel, Parameter, Step, Struct, Unit, parameter
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.kernels.trigonometry import SOFT
-from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role, pruned
+from wmrgen.ir.nodes import Function, Module, Node, Op, Port, pruned
 
-# In Rust the arithmetic of floats has the bits that C gets from integers on processors without floating point.
+# C computes in integers on processors without floating point. Rust's arithmetic of floats gives the same bits.
 _HARD = {soft: op for op, soft in SOFT.items()}
-_ABOUT = {
-    "pose": "Where P is in the world frame, and the heading.",
-    "pose_covariance": "The covariance of a pose: its upper triangle.",
-    "twist": "The velocity of P and the yaw rate, in the robot frame.",
-    "twist_covariance": "The covariance of a twist: its upper triangle.",
-    "wheels": "The joints that are commanded or sensed: commands, measurements, present state.",
-    IN: "What [`{}`] takes.",
-    OUT: "What [`{}`] gives.",
+_TEXTS = {
+    "pose": "Position of P and heading of the robot, in the world frame.",
+    "pose_covariance": "The covariance of a pose: the upper triangle of a symmetric matrix.",
+    "twist": "Velocity of P and yaw rate, in the robot frame.",
+    "twist_covariance": "The covariance of a twist: the upper triangle of a symmetric matrix.",
+    "wheels": "The joints that are commanded or sensed: for commands, measurements and the present state.",
+    PARAMS: "Tunable parameters. After a change call [`prepare`].",
+    PREPARED: "Values that [`prepare`] computes from the parameters for the other functions.",
+    IN: "Inputs of [`{}`].",
+    OUT: "Outputs of [`{}`].",
 }
 
 
 def unit(module: Module, choice: Choice) -> Unit:
-    """The Rust functions of ``module``: `prepare` first where a parameter is tunable."""
+    """Return the Rust functions of ``module``; `prepare` is the first, if a parameter is tunable."""
     module, costs = expanded(module, choice)
     scalar = SCALARS[choice.scalar]
-    shared = {
-        kind: struct(type_name(kind), ports, scalar, _ABOUT[kind]) for kind, ports in members(module).items()
-    }
+    shared = {kind: struct(type_name(kind), ports, _TEXTS[kind]) for kind, ports in members(module).items()}
+    types, steps = dict(shared), list[Step]()
     printer = _Printer(scalar, _style(scalar), results_of(module.kernels, scalar, type_name))
-    structs, steps, nominal = [*shared.values()], list[Step](), dict[str, str]()
-    prepare = module.prepare
-    if prepare is not None and prepare.outputs:
-        parameters = _of_prepare(prepare, scalar)
-        own = {p.name: p.struct for p in parameters if p.struct}
-        structs += own.values()
-        if prepare.inputs:
-            ports = ((p.name, p.default) for p in prepare.inputs if p.default is not None)
-            nominal = {name: literal(value, scalar) for name, value in ports}
-        shared |= own
-        steps.append(printer.step(prepare, parameters, ""))
-    for function in (f for f in module.functions if f.outputs):
-        of = arguments(function, module.joints)
-        own = {a.kind: _own(function, a, scalar) for a in of if a.kind in (IN, OUT)}
-        structs += own.values()
-        types = shared | own
-        called = {a.name: "input" if a.name == IN else identifier(a.name) for a in of}
-        parameters = [Parameter(called[a.name], types.get(a.kind), a.reads, a.writes) for a in of]
-        handed = {p.name: p.name for p in function.inputs if p.role is Role.PREPARED}
-        if handed:
-            parameters.insert(0, Parameter("prepared", shared["prepared"], handed, {}))
-        cost = f"Operations of the formula: {costs[function.name]}."
-        steps.append(printer.step(function, parameters, cost))
+    for each in signatures(module):
+        function = each.function
+        own = _own_structs(each)
+        if function is module.prepare:
+            types |= own
+            cost = ""
+        else:
+            cost = f"Operations of the formula: {costs[function.name]}."
+        found = types | own
+        parameters = [parameter(a, _name(a.name), found.get(a.kind), scalar) for a in each.arguments]
+        steps.append(printer.step(function, parameters, own.values(), cost))
     kernels = tuple(map(printer.kernel, module.kernels))
-    return Unit(module.name, choice, tuple(structs), nominal, tuple(steps), kernels)
+    return Unit(module.name, choice, tuple(shared.values()), tuple(steps), kernels)
 
 
-def _of_prepare(prepare: Function, scalar: str) -> list[Parameter]:
-    """What `prepare` takes, where it takes anything, and gives."""
-    params = struct("Params", prepare.inputs, scalar, "Tunable parameters: calibrate, then [`prepare`].")
-    prepared = struct("Prepared", prepare.outputs, scalar, "What [`prepare`] works out for the functions.")
-    reads, writes = ({port.name: port.name for port in ports} for ports in (prepare.inputs, prepare.outputs))
-    own = [Parameter("params", params, reads, {})] if reads else []
-    return [*own, Parameter("prepared", prepared, {}, writes)]
+def _own_structs(signature: Signature) -> dict[str, Struct]:
+    """Return the structs that only one function has, by kind."""
+    function, structs = signature.function, {}
+    for kind, ports in signature.own_types.items():
+        name = type_name(function.name, kind) if kind in (IN, OUT) else type_name(kind)
+        structs[kind] = struct(name, ports, _TEXTS[kind].format(identifier(function.name)))
+    return structs
 
 
-def _own(function: Function, argument: Argument, scalar: str) -> Struct:
-    """The struct that ``function`` alone takes or gives."""
-    ports = function.inputs if argument.kind == IN else function.outputs
-    carried = argument.reads or argument.writes
-    text = _ABOUT[argument.kind].format(identifier(function.name))
-    name = type_name(function.name, argument.kind)
-    return struct(name, [port for port in ports if port.name in carried], scalar, text)
+def _name(argument: str) -> str:
+    return "input" if argument == IN else identifier(argument)
+
+
+def scalar_of(unit: Unit) -> str:
+    """Return the scalar type of a crate: ``f32`` or ``f64``."""
+    return SCALARS[unit.choice.scalar]
+
+
+def step_of(unit: Unit, function: str) -> Step | None:
+    """Return the Rust function of a function of the robot; None if it has no outputs."""
+    return next((step for step in unit.steps if step.function == function), None)
+
+
+# ---- parameters and calls
+
+
+def returned(p: Parameter) -> bool:
+    """Return whether the function returns ``p``: it writes all members and reads none. Other parameters are changed."""
+    return not p.reads and (p.struct is None or len(p.writes) == len(p.struct.members))
+
+
+def _declared(p: Parameter) -> str:
+    if p.struct is None:
+        return f"{p.name}: {p.type}"
+    return f"{p.name}: &{'mut ' if p.writes else ''}{p.type}"
+
+
+def _port(p: Parameter) -> str:
+    """Return the contract name of a scalar."""
+    return next(iter(p.reads or p.writes))
+
+
+def _together(names: Sequence[str]) -> str:
+    """Return one name or type, or a tuple of several."""
+    return names[0] if len(names) == 1 else f"({', '.join(names)})"
+
+
+def _calling(step: Step, values: Mapping[str, str]) -> list[str]:
+    """Return statements that call ``step``; ``values``: contract name of an input -> expression.
+
+    The variable `prepared` exists already. Parameters that ``values`` lacks are nominal.
+    """
+    lines, passed, results = [], [], []
+    for p in step.parameters:
+        if returned(p):
+            results.append(p.name)
+        elif p.struct is None:
+            passed.append(values[_port(p)])
+        else:
+            passed.append(f"&{'mut ' if p.writes else ''}{p.name}")
+            stored = []
+            for port, member in p.reads.items():
+                if port in values:
+                    stored.append(f"{p.place(member)} = {values[port]};")
+            if p.name != PREPARED:
+                mutable = "mut " if stored or p.writes else ""
+                lines += [f"let {mutable}{p.name} = {p.type}::default();", *stored]
+    bound = f"let {_together(results)} = " if results else ""
+    return [*lines, f"{bound}{step.name}({', '.join(passed)});"]
+
+
+def block(
+    unit: Unit, step: Step, values: Mapping[str, str], result: Callable[[Mapping[str, str]], str]
+) -> list[str]:
+    """Return the lines of a block that calls ``step``, after `prepare` if it needs that.
+
+    Args:
+        unit: The functions of the robot.
+        step: The function.
+        values: Contract name of an input -> expression.
+        result: Returns the value of the block from the outputs: contract name -> place.
+    """
+    lines = []
+    for each in (*unit.before([step]), step):
+        lines += _calling(each, values)
+    lines.append(result(outputs_of(step)))
+    return ["{", *(f"    {line}" for line in lines), "}"]
+
+
+def outputs_of(step: Step) -> dict[str, str]:
+    """Return the places of outputs by contract name: first those that are changed, then those that are returned."""
+    parameters = sorted(step.parameters, key=returned)
+    return {port: p.place(member) for p in parameters for port, member in p.writes.items()}
+
+
+# ---- steps and kernels
 
 
 def _style(scalar: str) -> Style:
-    """How Rust writes operations in ``scalar``."""
+    """Return how Rust writes operations in ``scalar``."""
     suffix = "f" if scalar == "f32" else ""
 
     def form(op: Op) -> str:
@@ -104,8 +173,8 @@ def _style(scalar: str) -> Style:
     return Style(literals, form, "let {0}: {2} = {1};", "t{0}", scalar=scalar, named=identifier)
 
 
-def _hard(function: Function) -> Function:
-    """``function`` with the arithmetic of floats, without what its results do not need."""
+def _with_floats(function: Function) -> Function:
+    """Return ``function`` with operations of floats in the place of integers, without nodes that no result needs."""
     nodes = tuple(Node(_HARD[n.op], n.args) if n.op in _HARD else n for n in function.nodes)
     return pruned(replace(function, nodes=nodes))
 
@@ -113,70 +182,78 @@ def _hard(function: Function) -> Function:
 class _Printer(NamedTuple):
     scalar: str
     style: Style
-    kernels: Mapping[str, Results]
+    kernels: Mapping[str, Results]  # kernels that may be called, by name
 
-    def step(self, function: Function, parameters: Sequence[Parameter], cost: str) -> Step:
-        """``function`` with ``parameters`` in the order of its interface."""
-        function = _hard(function)
-        reads = {port: p.member(member) for p in parameters for port, member in p.reads.items()}
+    def step(
+        self, function: Function, parameters: Sequence[Parameter], structs: Iterable[Struct], cost: str
+    ) -> Step:
+        """Return ``function`` with ``parameters``; ``structs`` are declared for it alone."""
+        function = _with_floats(function)
+        reads = {port: p.place(member) for p in parameters for port, member in p.reads.items()}
         names = {p.name for p in parameters}
         code = body(function, reads.__getitem__, self.style, kernels=self.kernels, reserved=names)
         texts = dict(zip((port.name for port in function.outputs), code.results, strict=True))
-        results = tuple(p for p in parameters if p.returned)
-        arguments = tuple(p for p in parameters if not p.returned)
-        types = [p.struct.name if p.struct else self.scalar for p in results]
-        arrow = f" -> {types[0] if len(types) == 1 else '(' + ', '.join(types) + ')'}" if types else ""
-        head = signature(
-            f"pub fn {identifier(function.name)}", [p.declared(self.scalar) for p in arguments], arrow
-        )
-        lines = (*code.statements, *_stored(arguments, results, texts))
+        results = [p for p in parameters if returned(p)]
+        passed = [p for p in parameters if not returned(p)]
+        arrow = f" -> {_together([p.type for p in results])}" if results else ""
+        name = identifier(function.name)
+        head = signature(f"pub fn {name}", [_declared(p) for p in passed], arrow)
+        lines = (*code.statements, *_stored(passed, results, texts))
         docs = _docs(function, parameters, cost)
-        return Step(identifier(function.name), docs, head, lines, arguments, results, code.ops)
+        return Step(function.name, name, tuple(parameters), docs, head, lines, tuple(structs), code.ops)
 
     def kernel(self, kernel: Function) -> Kernel:
-        """A private function whose arguments are numbers."""
-        kernel = _hard(kernel)
+        """Return a private function of numbers."""
+        kernel = _with_floats(kernel)
         names = {port.name for port in kernel.inputs}
         code = body(kernel, identifier, self.style, kernels=self.kernels, reserved=names)
         own = self.kernels[kernel.name]
-        collector = None if len(own.members) == 1 else (own.type, own.members)
-        texts = zip(own.members, code.results, strict=True)
-        result = (
-            f"{own.type} {{ {', '.join(m if m == t else f'{m}: {t}' for m, t in texts)} }}"
-            if collector
-            else code.results[0]
-        )
-        arguments = [f"{identifier(port.name)}: {self.scalar}" for port in kernel.inputs]
-        head = signature(f"fn {own.function}", arguments, f" -> {own.type}")
-        return Kernel(doc(kernel.text), head, (*code.statements, result), code.ops, collector)
+        if len(own.members) == 1:
+            several, result = None, code.results[0]
+        else:
+            several = own.type, own.members
+            pairs = zip(own.members, code.results, strict=True)
+            fields = [member if member == text else f"{member}: {text}" for member, text in pairs]
+            result = f"{own.type} {{ {', '.join(fields)} }}"
+        parameters = [f"{identifier(port.name)}: {self.scalar}" for port in kernel.inputs]
+        head = signature(f"fn {own.function}", parameters, f" -> {own.type}")
+        comment = (doc(kernel.text),) if kernel.text else ()
+        return Kernel(own.function, comment, head, (*code.statements, result), code.ops, several)
 
 
-def _stored(
-    arguments: Sequence[Parameter], results: Sequence[Parameter], texts: Mapping[str, str]
-) -> list[str]:
-    """What changes arguments and returns results. Every value is computed before anything changes."""
+def _stored(passed: Sequence[Parameter], results: Sequence[Parameter], texts: Mapping[str, str]) -> list[str]:
+    """Return the statements that change parameters and return results.
 
-    def value(p: Parameter) -> list[str]:
+    Args:
+        passed: Parameters of the function.
+        results: What it returns.
+        texts: Contract name of an output -> expression.
+
+    Returns:
+        Statements that compute every value before they change a parameter.
+    """
+
+    def value_of(p: Parameter) -> list[str]:
         if p.struct is None:
-            return [texts[p.port]]
-        return p.struct.value({member: texts[port] for port, member in p.writes.items()}, p.name)
+            return [texts[_port(p)]]
+        return value(p.struct, {member: texts[port] for port, member in p.writes.items()}, p.name)
 
-    changed = [p for p in arguments if p.writes]
-    returned = _together([value(p) for p in results])
+    changed = [p for p in passed if p.writes]
+    values = _tuple_of([value_of(p) for p in results])
     if not changed:
-        return returned
-    places = _together([[f"*{p.name}"] for p in changed])
-    values = _together([value(p) for p in changed])
-    assigned = [f"{''.join(places)} = {values[0]}", *values[1:]]
+        return values
+    places = _tuple_of([[f"*{p.name}"] for p in changed])
+    new = _tuple_of([value_of(p) for p in changed])
+    assigned = [f"{''.join(places)} = {new[0]}", *new[1:]]
     assigned[-1] += ";"
     if not results:
         return assigned
-    returned[-1] += ";"
-    return [f"let result = {returned[0]}", *returned[1:], *assigned, "result"]
+    values[-1] += ";"
+    return [f"let result = {values[0]}", *values[1:], *assigned, "result"]
 
 
-def _together(values: Sequence[list[str]]) -> list[str]:
-    """One value, or a tuple of collector."""
+def _tuple_of(values: Sequence[list[str]]) -> list[str]:
+    """Return the lines of one value, or of a tuple of several."""
     if len(values) < 2:
         return values[0] if values else []
     if all(len(value) == 1 for value in values):
@@ -186,17 +263,17 @@ def _together(values: Sequence[list[str]]) -> list[str]:
 
 
 def _docs(function: Function, parameters: Sequence[Parameter], cost: str) -> tuple[str, ...]:
-    """What ``function`` does, what its numbers are and which members change."""
+    """Return the documentation: what ``function`` does, its scalars, and the members that it changes."""
     ports: dict[str, Port] = {port.name: port for port in (*function.inputs, *function.outputs)}
     items = []
     for p in parameters:
         if p.struct is None:
-            port = ports[p.port]
-            how, unit = "returned: " if p.returned else "", f", {doc(port.unit)}" if port.unit else ""
+            port = ports[_port(p)]
+            how, unit = "returned: " if returned(p) else "", f", {doc(port.unit)}" if port.unit else ""
             items.append(f"`{port.name}`: {how}{doc(port.text)}{unit}")
-        elif p.writes and not p.returned:
-            members = (p.struct.paths[member] for member in p.writes.values())
-            items.append(f"`{p.name}`: changed in {', '.join(f'`{member}`' for member in members)}")
+        elif p.writes and not returned(p):
+            changed = ", ".join(f"`{member}`" for member in p.writes.values())
+            items.append(f"`{p.name}`: changed in {changed}")
     paragraphs = [wrapped(text) for text in (sentence(function.text), cost) if text]
     paragraphs.insert(1, [line for item in items for line in wrapped(item, "* ")])
     return tuple(line for lines in paragraphs if lines for line in (*lines, ""))[:-1]

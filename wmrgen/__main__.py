@@ -15,7 +15,7 @@ def main() -> None:
     console.prepare()
     console.install_signal_handlers()
     try:
-        from wmrgen.cli.verbs import app
+        from wmrgen.cli.commands import app
 
         app()
     except console.Stopped as stop:

@@ -17,6 +17,7 @@ from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Robot, argument, option, output, verb
 from wmrgen.cli.loading import print_notes
 from wmrgen.errors import UsageError
+from wmrgen.robotfile.text import bytes_of
 
 if TYPE_CHECKING:
     from wmrgen.derivation.facade import Derivation
@@ -86,6 +87,9 @@ def calibrate(
             step(f"planning drives of {derivation.robot.name}")
             planned = _Plan.of(problem_of(derivation, one_clock), derivation, precision)
         else:
+            for path in (*logs, *(truth or ())):
+                if path.exists():
+                    bytes_of(path, 0)  # RobotFileError for a device or a pipe, which might never end
             result = _estimated(derivation, logs, truth or (), one_clock, start_error, scheduler, step)
             values = new_values(result)
             if out is not None:

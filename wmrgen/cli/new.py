@@ -17,7 +17,16 @@ from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Words, argument, option, output, verb
 from wmrgen.errors import Mark, UsageError
 from wmrgen.robotfile.shipped import shipped
-from wmrgen.robotfile.text import MappingNode, Node, Scalar, SequenceNode, quoted, suggestion
+from wmrgen.robotfile.text import (
+    MAX_BYTES,
+    MappingNode,
+    Node,
+    Scalar,
+    SequenceNode,
+    bytes_of,
+    quoted,
+    suggestion,
+)
 
 if TYPE_CHECKING:
     from wmrgen.robotfile.fields import Field
@@ -59,7 +68,7 @@ def new(
     and complete the file.
     """
     from wmrgen.cli.gallery import gallery, list_robots
-    from wmrgen.robotfile.load import read_text
+    from wmrgen.robotfile.load import read_text, text_of
     from wmrgen.robotfile.typesetting import formatted
 
     asks = console.can_ask()
@@ -71,7 +80,7 @@ def new(
     if start is None:
         list_robots(False)
         start = console.ask("Which of them is most like yours?", "pioneer3dx", _gallery_name)
-    origin = gallery()[_gallery_name(start)].read_text(encoding="utf-8")
+    origin = text_of(gallery()[_gallery_name(start)])
     name = (
         _robot_name(name) if name else console.ask("What is your robot called?", f"my_{start}", _robot_name)
     )
@@ -217,5 +226,5 @@ def write_robot_file(path: Path, text: str) -> list[str]:
     write_file(path, text.encode())
     if schema.exists():
         return [str(path)]
-    write_file(schema, (shipped("robots") / SCHEMA_FILE).read_bytes())
+    write_file(schema, bytes_of(shipped("robots") / SCHEMA_FILE, MAX_BYTES))
     return [str(path), str(schema)]

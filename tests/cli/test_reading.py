@@ -1,0 +1,101 @@
+"""What is read: no verb waits for a file without an end, and few modules open files at all."""
+
+from __future__ import annotations
+
+import ast
+import os
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT, Outcome
+
+Cli = Callable[..., Outcome]
+PIONEER = str(ROOT / "robots" / "pioneer3dx.yaml")
+
+# The calls of each module that open a file. Files that a user names are read by `robotfile/text.py`, which accepts only
+# regular files and reads a limited size. The other modules read files that wmrgen has written or comes with.
+OPEN = {
+    "robotfile/text.py": ["open"],  # the reader of files that a user names
+    "tools/calibrating/tables.py": [
+        "open",
+        "open",
+    ],  # logs, after `wmrgen calibrate` has looked that they are files
+    "tools/calibrating/stored.py": ["fromfile"],  # a temporary file of its own
+    "tools/calibrating/written.py": ["read_bytes"],  # a robot file that has been read
+    "derivation/artifacts.py": [
+        "fdopen",
+        "open",
+        "open",
+        "read_bytes",
+        "read_bytes",
+    ],  # generated files, a log
+    "report/pages/overview.py": ["read_bytes"],  # a generated model.json
+    "report/pages/document.py": ["read_bytes", "read_text"],  # scripts and fonts that come with wmrgen
+    "report/pages/formats.py": ["read_text"],  # a template
+    "functions/registry.py": ["read_text"],  # the sources of wmrgen, whose digest is noted
+    "codegen/compiler.py": ["read_bytes"],  # a PDF that a browser has printed
+    "cli/console.py": ["open", "open"],  # standard streams
+    "cli/generate.py": ["read_bytes"],  # a generated PDF
+}
+OPENING = {"open", "fdopen", "read_bytes", "read_text", "fromfile", "memmap", "genfromtxt"}
+OTHERS = {("read_text", "Name"), ("open", "webbrowser")}  # our function that parses a text; a browser
+
+
+def opened(source: str) -> list[str]:
+    """The names of the functions that ``source`` calls and that open files, sorted."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if not isinstance(node, ast.Call):
+            continue
+        match node.func:
+            case ast.Name(id=name):
+                owner = "Name"
+            case ast.Attribute(attr=name, value=ast.Name(id=owner)):
+                pass
+            case ast.Attribute(attr=name):
+                owner = ""
+            case _:
+                continue
+        if name in OPENING and (name, owner) not in OTHERS:
+            found.append(name)
+    return sorted(found)
+
+
+def test_where_files_are_opened() -> None:
+    package = ROOT / "wmrgen"
+    found = {}
+    for path in sorted(package.rglob("*.py")):
+        names = opened(path.read_text(encoding="utf-8"))
+        if names:
+            found[path.relative_to(package).as_posix()] = names
+    assert found == OPEN
+
+
+@pytest.mark.parametrize(
+    "line", ["open(p)", "p.open()", "io.open(p)", "Path(p).read_bytes()", "p.read_text()", "np.fromfile(p)"]
+)
+def test_a_call_that_opens_a_file_is_seen(line: str) -> None:
+    assert Counter(opened(f"def f(p):\n    return {line}\n")).total() == 1
+
+
+VERBS = [
+    "derive X", "check X", "view X --no-open", "export X --to urdf", "lint X", f"compare {PIONEER} X", "import X",
+    f"import {PIONEER} --controller X", "fmt X", "model X", "gains X", f"eval {PIONEER} inverse --cases X",
+    f"motion {PIONEER} --segments X", "calibrate X --plan", f"calibrate {PIONEER} X --truth X",
+    f"calibrate {PIONEER} {PIONEER} --truth X",
+]  # fmt: skip
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes and devices")
+@pytest.mark.parametrize("words", VERBS)
+def test_a_file_without_an_end_is_refused(wmrgen_cli: Cli, tmp_path: Path, words: str) -> None:
+    """A device, a pipe that nobody writes to, and a folder: exit code 2 and a message that names it."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    for path in ("/dev/zero", str(pipe), str(tmp_path)):
+        done = wmrgen_cli(*(path if word == "X" else word for word in words.split()))
+        assert (done.code, done.out) == (2, "")
+        assert done.err.startswith("error[WMR110]") and path in done.err

@@ -73,9 +73,9 @@ def prove(robot: Robot, as_json: Json = False) -> int:
 def needed_limits(
     derivation: Derivation, bounds: Bounds, function: str, inputs: Sequence[str]
 ) -> tuple[str, ...]:
-    """Suggest limits that give inputs of a function a range, or a narrower one.
+    """Suggest limits that give each of some inputs of a function a range, or a narrower one.
 
-    Every limit that robot files can have and this one has not is tried, for the robot and for each of its wheels.
+    Each limit that this robot file could have in addition is tried, first for the robot, then for each wheel.
 
     Args:
         derivation: the robot.
@@ -84,8 +84,8 @@ def needed_limits(
         inputs: some of its inputs.
 
     Returns:
-        What to write, as `limits: {steer_rate: 2.0}`; for a limit of a wheel with the name of the wheel. Empty if no
-        limit changes the ranges of these inputs.
+        What to write, as `limits: {steer_rate: 2.0}`, with the name of the wheel for a limit of a wheel. Empty if some
+        input has a range that no limit changes, such as an encoder count.
     """
     from wmrgen.ir.bounds.assumptions import domain, wanted
     from wmrgen.ir.bounds.robot import functions
@@ -107,6 +107,8 @@ def needed_limits(
         if helped:
             keys.setdefault(wheel, []).append(key)
             lacking = [name for name in lacking if name not in helped]
+    if lacking:
+        return ()
     return tuple(
         wanted(tuple(names)) + (f" of the wheel {wheel}" if wheel else "") for wheel, names in keys.items()
     )

@@ -10,11 +10,9 @@ from math import degrees, inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 import wmrgen
 from wmrgen.cli import console
-from wmrgen.cli.declare import Json, Robot, argument, option, output, verb
+from wmrgen.cli.declare import Json, Robot, argument, flag, option, output, verb
 from wmrgen.cli.loading import print_notes
 from wmrgen.errors import UsageError
 from wmrgen.robotfile.text import bytes_of
@@ -45,14 +43,12 @@ def calibrate(
         Path | None,
         option("Write the robot file, a picture, parameters for ROS and the numbers for the C.", "DIR"),
     ] = None,
-    plan: Annotated[
-        bool, typer.Option("--plan", help="Suggest drives that determine the parameters.")
-    ] = False,
+    plan: Annotated[bool, flag("--plan", "Suggest drives that determine the parameters.")] = False,
     precision: Annotated[
         float, option("The standard deviation that --plan aims at, relative to the nominal value.", "0.01")
     ] = 0.01,
     one_clock: Annotated[
-        bool, typer.Option("--one-clock", help="Log and reference share a clock: estimate no time offset.")
+        bool, flag("--one-clock", "Log and reference share a clock: estimate no time offset.")
     ] = False,
     start_error: Annotated[
         float,

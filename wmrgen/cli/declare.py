@@ -74,9 +74,32 @@ def words(text: str) -> Any:
     return argument("[NAME=VALUE]...", text)
 
 
-def option(text: str, metavar: str | None = None, completion: Completion | None = None) -> Any:
-    """Return an option that takes a value. The help shows no default."""
-    return typer.Option(metavar=metavar, help=text, show_default=False, autocompletion=completion)
+def option(
+    text: str, metavar: str | None = None, completion: Completion | None = None, name: str | None = None
+) -> Any:
+    """Return an option that takes a value. The help shows no default.
+
+    Args:
+        text: the help.
+        metavar: what stands for the value in the help; None for the name of its type.
+        completion: the words that the shell offers for the value.
+        name: the option, such as ``--from``; None for the name of the parameter.
+
+    Returns:
+        The option, for ``Annotated``.
+    """
+    names = () if name is None else (name,)
+    return typer.Option(*names, metavar=metavar, help=text, show_default=False, autocompletion=completion)
+
+
+def option_with_default(text: str, metavar: str | None = None) -> Any:
+    """Return an option that takes a value. The help shows its default."""
+    return typer.Option(metavar=metavar, help=text)
+
+
+def flag(name: str, text: str) -> Any:
+    """Return an option without a value, with its help."""
+    return typer.Option(name, help=text)
 
 
 def output(metavar: str, text: str) -> Any:
@@ -111,15 +134,15 @@ Package = Annotated[
     list[str] | None, option("The folder of a package that a description refers to.", "NAME=DIR")
 ]
 Out = Annotated[Path, output("DIR", "The folder that contains the folders of the robots.")]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+Json = Annotated[bool, flag("--json", "Print JSON.")]
 Scalar = Literal["float", "double"]
 Math = Annotated[
     Literal["inline", "libm"] | None,
-    typer.Option(
-        help="Sines and arctangents of the C: wmrgen's own (default for float) or libm's (default for double)."
+    option_with_default(
+        "Sines and arctangents of the C: wmrgen's own (default for float) or libm's (default for double)."
     ),
 ]
 Target = Annotated[
     Literal["m4f", "m0", "avr", "host"],
-    typer.Option(help="Processor of the C. m4f has fused multiply-add; host is any processor with an FPU."),
+    option_with_default("Processor of the C. m4f has fused multiply-add; host is any processor with an FPU."),
 ]

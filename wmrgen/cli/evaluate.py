@@ -9,11 +9,21 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Protocol, cast
 
-import typer
-
 import wmrgen
 from wmrgen.cli import console
-from wmrgen.cli.declare import Json, Math, Robot, Scalar, Target, Words, argument, option, verb, words
+from wmrgen.cli.declare import (
+    Json,
+    Math,
+    Robot,
+    Scalar,
+    Target,
+    Words,
+    argument,
+    option,
+    option_with_default,
+    verb,
+    words,
+)
 from wmrgen.cli.loading import print_notes, warn_of_gains
 from wmrgen.cli.textbook import installed
 from wmrgen.cli.values import Case, from_file, from_words, note_zeros
@@ -68,12 +78,11 @@ def evaluate(
     values: Annotated[Words, words("Inputs in SI units: 0.5, 1/3, pi/2, '45 deg/s'.")] = None,
     backend: Annotated[
         str,
-        typer.Option(
-            metavar="WORD",
-            help="The back end: exact, c (needs a C compiler), or another; an unknown word lists all.",
+        option_with_default(
+            "The back end: exact, c (needs a C compiler), or another; an unknown word lists all.", "WORD"
         ),
     ] = "exact",
-    scalar: Annotated[Scalar, typer.Option(help="Scalar type of back end c.")] = "float",
+    scalar: Annotated[Scalar, option_with_default("Scalar type of back end c.")] = "float",
     math: Math = None,
     target: Target = "m4f",
     cases: Annotated[

@@ -5,10 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-import typer
-
 from wmrgen.cli import console
-from wmrgen.cli.declare import Json, Robot, output, verb
+from wmrgen.cli.declare import Json, Robot, option_with_default, output, verb
 from wmrgen.errors import UsageError
 
 if TYPE_CHECKING:
@@ -22,7 +20,7 @@ def export(
     robot: Robot,
     to: Annotated[
         Kind,
-        typer.Option(help="What to write. ros2_control: a URDF and the parameters of the controller."),
+        option_with_default("What to write. ros2_control: a URDF and the parameters of the controller."),
     ],
     out: Annotated[Path | None, output("DIR|FILE", "Where to write; without it the text is printed.")] = None,
     as_json: Json = False,

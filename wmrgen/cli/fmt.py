@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
 from wmrgen.cli import console
-from wmrgen.cli.declare import Json, Robots, verb
+from wmrgen.cli.declare import Json, Robots, flag, verb
 from wmrgen.errors import StaleError
 
 
@@ -15,7 +13,7 @@ from wmrgen.errors import StaleError
 def fmt(
     robots: Robots,
     only_check: Annotated[
-        bool, typer.Option("--check", help="Write nothing; exit code 1 if a file would change.")
+        bool, flag("--check", "Write nothing; exit code 1 if a file would change.")
     ] = False,
     as_json: Json = False,
 ) -> int:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -33,88 +32,93 @@ def lint(
     Report likely mistakes in robots that can be derived, each finding with a code. Exit code 1 if there are findings.
     To keep a line as it is, add the comment # wmrgen: ignore CODE to it.
     """
+    from wmrgen.tools.comparing.sources import layouts
+
     paths, arguments = paths_and_arguments(robots)
-    report = _Report()
+    findings: list[Finding] = []
+    errors: list[WmrgenError] = []
+    not_compared: list[str] = []
+    robot: Layout | None = None  # the robot that parameters and headers after it are compared with
     for path in paths:
         try:
-            report.read(path, arguments, base, package or ())
+            for layout in layouts(path, arguments, package or (), base):
+                if _is_robot(layout, robot):
+                    found, skipped = _findings_of(layout, path)
+                    robot = layout
+                elif robot is not None:
+                    found, skipped = _differences(robot, layout)
+                elif errors:
+                    continue  # the robot before it is probably the one that cannot be read
+                else:
+                    raise UsageError(
+                        f"{layout.source} has no robot before it: give a robot file or description first"
+                    )
+                findings += found
+                not_compared += skipped
         except WmrgenError as error:
-            report.errors += error.parts
+            errors += error.parts
     if as_json:
-        findings = {"findings": [_as_data(f) for f in report.findings], "not_compared": report.not_compared}
-        console.data({**findings, **console.all_as_data(report.errors)})
+        found_data = {"findings": [_as_data(f) for f in findings], "not_compared": not_compared}
+        console.data({**found_data, **console.all_as_data(errors)})
     else:
-        _show(report, len(paths))
-    if report.errors:
-        return report.errors[0].exit_code
-    return StaleError.exit_code if report.findings else 0
+        _show(findings, errors, not_compared, len(paths))
+    if errors:
+        return errors[0].exit_code
+    return StaleError.exit_code if findings else 0
 
 
-@dataclass
-class _Report:
-    """The findings of all files that were read."""
+def _is_robot(layout: Layout, robot: Layout | None) -> bool:
+    """Return whether a file is checked by itself, rather than compared with the ``robot`` before it.
 
-    findings: list[Finding] = field(default_factory=list)
-    errors: list[WmrgenError] = field(default_factory=list)
-    not_compared: list[str] = field(default_factory=list)  # what no check covers, in words
-    robot: Layout | None = None  # the robot that parameters and headers after it are compared with
+    Robot files are; descriptions are, except after a robot file. Parameters of controllers and headers never are.
+    """
+    from wmrgen.tools.comparing.record import DESCRIPTION, ROBOT_FILE
 
-    def read(self, path: Path, arguments: Sequence[str], base: str | None, package: Sequence[str]) -> None:
-        """Add the findings of one file.
-
-        A robot file is checked itself. Parameters, headers, and a description after a robot file are compared with the
-        robot before them.
-
-        Args:
-            path: the file.
-            arguments: NAME:=VALUE of a xacro file.
-            base: the link that is the robot's frame.
-            package: NAME=DIR of packages that a description refers to.
-
-        Raises:
-            WmrgenError: if the file cannot be read, or if there is no robot to compare it with.
-        """
-        from wmrgen.tools.comparing.compare import compare, findings, labelled
-        from wmrgen.tools.comparing.record import DESCRIPTION, ROBOT_FILE
-        from wmrgen.tools.comparing.sources import layouts
-
-        for layout in layouts(path, arguments, package, base):
-            if layout.form == ROBOT_FILE:
-                spec, built = wmrgen.read(path)
-                self.findings += linted(spec, wmrgen.derive(built))
-                self.robot = layout
-            elif layout.form == DESCRIPTION and (self.robot is None or self.robot.form == DESCRIPTION):
-                self.findings += labelled(layout)
-                self.not_compared.append(
-                    f"{layout.source}: only the names of its wheels are checked against their positions; "
-                    "`wmrgen import` makes a robot file, in which `lint` checks everything"
-                )
-                self.robot = layout
-            elif self.robot is not None:
-                comparison = compare(self.robot, layout)
-                self.findings += findings(comparison)
-                self.not_compared += [f"not compared: {words}" for words in comparison.unsaid]
-            elif not self.errors:  # else the robot before it is probably the one with the error
-                raise UsageError(
-                    f"{layout.source} has no robot before it: give a robot file or description first"
-                )
+    if layout.form == ROBOT_FILE:
+        return True
+    return layout.form == DESCRIPTION and (robot is None or robot.form == DESCRIPTION)
 
 
-def _show(report: _Report, files: int) -> None:
+def _findings_of(layout: Layout, path: Path) -> tuple[list[Finding], list[str]]:
+    """Return the findings in a robot file or description, and what was not checked, in words."""
+    from wmrgen.tools.comparing.compare import labelled
+    from wmrgen.tools.comparing.record import ROBOT_FILE
+
+    if layout.form == ROBOT_FILE:
+        spec, built = wmrgen.read(path)
+        return linted(spec, wmrgen.derive(built)), []
+    unchecked = (
+        f"{layout.source}: only the names of its wheels are checked against their positions; `wmrgen import` makes a "
+        "robot file, in which `lint` checks everything"
+    )
+    return list(labelled(layout)), [unchecked]
+
+
+def _differences(robot: Layout, layout: Layout) -> tuple[list[Finding], list[str]]:
+    """Return the differences between a robot and a file about it, and what was not compared, in words."""
+    from wmrgen.tools.comparing.compare import compare, findings
+
+    comparison = compare(robot, layout)
+    return list(findings(comparison)), [f"not compared: {words}" for words in comparison.unsaid]
+
+
+def _show(
+    findings: Sequence[Finding], errors: Sequence[WmrgenError], not_compared: Sequence[str], files: int
+) -> None:
     """Print findings to stdout, errors and what was not compared to stderr."""
-    for finding in report.findings:
+    for finding in findings:
         console.result(str(finding))
-    for error in report.errors:
+    for error in errors:
         console.failure(str(error))
-    for words in report.not_compared:
+    for words in not_compared:
         console.note(f"note: {words}")
-    if report.findings:
+    if findings:
         console.note(
             "Correct the lines, or add # wmrgen: ignore CODE to a line. `wmrgen explain CODE` says more."
         )
-    elif not report.errors:
-        noun = "file" if report.not_compared else "robot"
-        where = " in what was compared" if report.not_compared else ""
+    elif not errors:
+        noun = "file" if not_compared else "robot"
+        where = " in what was compared" if not_compared else ""
         console.result(f"{files} {noun}{'s' * (files != 1)}: no findings{where}")
 
 

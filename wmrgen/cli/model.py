@@ -7,10 +7,8 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import typer
-
 from wmrgen.cli import console
-from wmrgen.cli.declare import Json, Robot, Words, option, output, verb, words
+from wmrgen.cli.declare import Json, Robot, Words, flag, option, output, verb, words
 from wmrgen.cli.loading import derived
 from wmrgen.cli.values import from_words
 from wmrgen.errors import UsageError
@@ -46,7 +44,7 @@ def model(
         option("The duration of the step [s]. With -o it may be omitted: dt is then an input.", "T"),
     ] = None,
     out: Annotated[Path | None, output("FILE", "Write the step for casadi.Function.load.")] = None,
-    as_latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX.")] = False,
+    as_latex: Annotated[bool, flag("--latex", "Print LaTeX.")] = False,
     as_json: Json = False,
 ) -> int:
     """Example:  wmrgen model robots/bicycle.yaml --form posture

@@ -10,8 +10,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Words, argument, option, output, verb
@@ -50,12 +48,7 @@ def new(
     ] = None,
     start: Annotated[
         str | None,
-        typer.Option(
-            "--from",
-            metavar="ROBOT",
-            help="The robot to start from; `wmrgen list` lists them.",
-            autocompletion=_gallery,
-        ),
+        option("The robot to start from; `wmrgen list` lists them.", "ROBOT", _gallery, "--from"),
     ] = None,
     description: Annotated[str | None, option("A description of the robot.", "TEXT")] = None,
     out: Annotated[Path | None, output("ROBOT.yaml", "The file; without it NAME.yaml.")] = None,

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
 from wmrgen.cli import console
-from wmrgen.cli.declare import Json, verb
+from wmrgen.cli.declare import Json, flag, verb
 from wmrgen.errors import UsageError
 
 
 @verb("schema")
 def schema(
-    as_markdown: Annotated[
-        bool, typer.Option("--markdown", help="Print the reference of all keys in Markdown.")
-    ] = False,
+    as_markdown: Annotated[bool, flag("--markdown", "Print the reference of all keys in Markdown.")] = False,
     as_json: Json = False,
 ) -> int:
     """Example:  wmrgen schema > robot.schema.json

@@ -7,11 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 import wmrgen
 from wmrgen.cli import console
-from wmrgen.cli.declare import Robots, output, verb
+from wmrgen.cli.declare import Robots, flag, output, verb
 from wmrgen.errors import WmrgenError
 from wmrgen.robotfile.text import MAX_BYTES, bytes_of
 
@@ -21,11 +19,11 @@ PAGE, VERSION = "view.html", "version.js"
 @verb("view")
 def view(
     robots: Robots,
-    no_open: Annotated[bool, typer.Option("--no-open", help="Write the page, open no browser.")] = False,
+    no_open: Annotated[bool, flag("--no-open", "Write the page, open no browser.")] = False,
     out: Annotated[
         Path | None, output("DIR", "The folder of the page; without it a temporary folder.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print where the page is, and end.")] = False,
+    as_json: Annotated[bool, flag("--json", "Print where the page is, and end.")] = False,
 ) -> int:
     """Example:  wmrgen view robots/pioneer3dx.yaml robots/kuka_youbot.yaml
 

@@ -75,7 +75,7 @@ def _constant(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     residual = float(derivation.evaluate("forward", rates)["slip"])
     if residual > SLIDES:
         console.note(
-            f"{robot.name}: these wheel speeds are inconsistent: wheels slide at {residual:.6g} m/s; the motion is the "
+            f"{robot.name}: these wheel speeds do not agree: wheels slide at {residual:.6g} m/s; the motion is the "
             "least-squares solution"
         )
     without_time = {k: v for k, v in values.items() if k != "dt"}

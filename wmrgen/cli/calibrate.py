@@ -130,7 +130,9 @@ def _estimated(
     with nullcontext(serial) if scheduler is None else cluster(scheduler) as each:
 
         def with_progress(problem: Problem, unknowns: Reals, task: Task[Result]) -> Sequence[Result]:
-            step(f"fitting {derivation.robot.name} to {len(problem.drives)} drives, pass {next(passes)}")
+            number = len(problem.drives)
+            drives = f"{number} drive{'s' * (number > 1)}"
+            step(f"fitting {derivation.robot.name} to {drives}, pass {next(passes)}")
             return each(problem, unknowns, task)
 
         return calibrate(derivation, logs, references, with_progress, one_clock, start_error)

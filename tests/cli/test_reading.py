@@ -15,30 +15,21 @@ from tests.conftest import ROOT, Outcome
 Cli = Callable[..., Outcome]
 PIONEER = str(ROOT / "robots" / "pioneer3dx.yaml")
 
-# The calls of each module that open a file. Files that a user names are read by `robotfile/text.py`, which accepts only
+# The modules that open files, and which. Files that a user names are read by `robotfile/text.py`, which accepts only
 # regular files and reads a limited size. The other modules read files that wmrgen has written or comes with.
 OPEN = {
-    "robotfile/text.py": ["open"],  # the reader of files that a user names
-    "tools/calibrating/tables.py": [
-        "open",
-        "open",
-    ],  # logs, after `wmrgen calibrate` has looked that they are files
-    "tools/calibrating/stored.py": ["fromfile"],  # a temporary file of its own
-    "tools/calibrating/written.py": ["read_bytes"],  # a robot file that has been read
-    "derivation/artifacts.py": [
-        "fdopen",
-        "open",
-        "open",
-        "read_bytes",
-        "read_bytes",
-    ],  # generated files, a log
-    "report/pages/overview.py": ["read_bytes"],  # a generated model.json
-    "report/pages/document.py": ["read_bytes", "read_text"],  # scripts and fonts that come with wmrgen
-    "report/pages/formats.py": ["read_text"],  # a template
-    "functions/registry.py": ["read_text"],  # the sources of wmrgen, whose digest is noted
-    "codegen/compiler.py": ["read_bytes"],  # a PDF that a browser has printed
-    "cli/console.py": ["open", "open"],  # standard streams
-    "cli/generate.py": ["read_bytes"],  # a generated PDF
+    "robotfile/text.py": "the reader of files that a user names",
+    "tools/calibrating/tables.py": "logs, after `wmrgen calibrate` has checked that they are regular files",
+    "tools/calibrating/stored.py": "temporary files of its own",
+    "tools/calibrating/written.py": "a robot file that the reader has accepted",
+    "derivation/artifacts.py": "generated files, and the log of a bug",
+    "report/pages/overview.py": "generated models",
+    "report/pages/document.py": "scripts and fonts that come with wmrgen",
+    "report/pages/formats.py": "a template",
+    "functions/registry.py": "sources of wmrgen, whose digest is recorded",
+    "codegen/compiler.py": "a PDF that a browser has printed",
+    "cli/console.py": "standard streams",
+    "cli/generate.py": "a generated PDF",
 }
 OPENING = {"open", "fdopen", "read_bytes", "read_text", "fromfile", "memmap", "genfromtxt"}
 OTHERS = {("read_text", "Name"), ("open", "webbrowser")}  # our function that parses a text; a browser
@@ -66,12 +57,8 @@ def opened(source: str) -> list[str]:
 
 def test_where_files_are_opened() -> None:
     package = ROOT / "wmrgen"
-    found = {}
-    for path in sorted(package.rglob("*.py")):
-        names = opened(path.read_text(encoding="utf-8"))
-        if names:
-            found[path.relative_to(package).as_posix()] = names
-    assert found == OPEN
+    found = {p for p in package.rglob("*.py") if opened(p.read_text(encoding="utf-8"))}
+    assert {p.relative_to(package).as_posix() for p in found} == OPEN.keys()
 
 
 @pytest.mark.parametrize(

@@ -180,7 +180,7 @@ class _Remarks:
 
 
 def _as_data(result: Calibration, remarks: _Remarks) -> dict[str, Any]:
-    """Return a calibration as JSON has it."""
+    """Return a calibration for JSON."""
     from wmrgen.tools.calibrating.drawn import by_time
 
     residuals = {}
@@ -259,7 +259,7 @@ class _Plan:
         return _Plan(courses, blind(problem, choices), precision)
 
     def as_data(self) -> list[dict[str, Any]] | None:
-        """Return the drives as JSON has them."""
+        """Return the drives for JSON."""
         if self.courses is None:
             return None
         return [{"drive": course.text, "seconds": course.seconds} for course in self.courses]

@@ -253,6 +253,7 @@ def install_signal_handlers() -> None:
 
 
 def _stop(number: int, _: FrameType | None) -> None:
+    """Handle a signal: raise `Stopped`."""
     signal.signal(number, signal.SIG_DFL)  # a second signal ends the process at once
     raise Stopped(signal.Signals(number).name, number)
 
@@ -312,14 +313,14 @@ def all_as_data(errors: Sequence[WmrgenError]) -> dict[str, Any]:
 
 
 def _as_data(text: str, exit_code: int, errors: Sequence[WmrgenError]) -> dict[str, Any]:
-    """Return a failure as JSON has it: ``error`` is the text on stderr, ``errors`` has an entry for each error."""
+    """Return a failure for JSON: ``error`` is the text on stderr, ``errors`` has an entry for each error."""
     entries = [_entry(part, part.exit_code) for error in errors for part in error.parts]
     entries = entries or [_entry(WmrgenError(text), exit_code)]
     return {"error": text, "exit_code": exit_code, "errors": entries}
 
 
 def _entry(error: WmrgenError, exit_code: int) -> dict[str, Any]:
-    """Return one error as JSON has it: place, code, texts, and other places with the same error."""
+    """Return one error for JSON: place, code, texts, and other places with the same error."""
     words = {key: getattr(error, key) for key in ("code", "what", "why", "instead")}
     again = [place(mark) for mark in error.again]
     return {**place(error.mark), **words, "exit_code": exit_code, "again": again}

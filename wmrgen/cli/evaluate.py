@@ -167,9 +167,9 @@ Ranges = dict[str, tuple[float, float]]
 
 
 def _outside(robot: Loaded | None, function: Function, cases: Sequence[Case]) -> tuple[Ranges, Ranges]:
-    """Return ranges that a case does not keep: of tunable parameters, and of inputs that the robot file limits.
+    """Return the ranges that some case violates: of tunable parameters, and of inputs that the robot file limits.
 
-    Functions that limit their inputs themselves have none.
+    Functions that limit their inputs themselves violate none.
     """
     tunable: Ranges = {}
     limited: Ranges = {}

@@ -90,7 +90,7 @@ def _steering(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
 
 
 def _axles(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
-    """Return the centre of rotation at given steering angles; if there is none, how far each wheel is from the best."""
+    """Return the centre of rotation at given steering angles; if there is none, the error of each wheel."""
     from wmrgen.functions.motion.icr import axle_distances, check_steering
 
     robot = derivation.robot

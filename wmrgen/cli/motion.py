@@ -125,7 +125,7 @@ def _segments(derivation: Derivation, words: Sequence[str], file: str) -> dict[s
 
 
 def _phase(p: Phase) -> dict[str, Any]:
-    """Return a phase as JSON has it."""
+    """Return a phase for JSON."""
     spins = {f"{name}.spin": value for name, value in p.spins.items()}
     steers = {f"{name}.steer": value for name, value in p.steers.items()}
     return {

@@ -64,7 +64,7 @@ def _lines(facts: dict[str, Any]) -> list[str]:
 
 
 def _facts(derivation: Derivation, form: str | None, shown: Shown) -> dict[str, Any]:
-    """Return the facts as JSON has them, with Lie brackets of the model ``form``; ``shown`` prints expressions."""
+    """Return the facts for JSON, with Lie brackets of the model ``form``; ``shown`` prints expressions."""
     tests = derivation.integrability
     constraints = [
         {

@@ -44,7 +44,7 @@ def textbook(out: Out = Path("generated"), as_json: Json = False) -> int:
     """Example:  wmrgen textbook -o generated
 
     Write DIR/textbook/ (formulas that need no robot: report, C, CasADi, NumPy) and DIR/errata.md (corrections to our
-    copies of the texts, each with the check that decides it). `wmrgen eval textbook FUNCTION` computes a formula.
+    copies of the texts, each with the check that proves it). `wmrgen eval textbook FUNCTION` computes a formula.
     """
     return installed().run(out, as_json)
 

@@ -50,10 +50,10 @@ def robot_file(tmp_path: Path) -> Path:
 
 def command_line(*words: object, stdin: str | None = None) -> Outcome:
     """The command line in this process."""
-    from wmrgen.cli.verbs import app
+    from wmrgen.cli.commands import app
 
     args = [str(word) for word in words]
-    done = CliRunner().invoke(app.named(args), args, input=stdin, prog_name="wmrgen")
+    done = CliRunner().invoke(app, args, input=stdin, prog_name="wmrgen")
     assert done.exception is None or isinstance(done.exception, SystemExit), repr(done.exception)
     return Outcome(done.exit_code, done.stdout, done.stderr)
 

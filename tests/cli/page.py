@@ -8,8 +8,7 @@ from typing import Any
 import typer
 
 from tests.conftest import ROOT
-from wmrgen.cli.declare import GROUPS
-from wmrgen.cli.verbs import app
+from wmrgen.cli.commands import GROUPS, app
 
 PAGE = ROOT / "docs" / "command_line.md"
 HEAD = """\
@@ -35,14 +34,15 @@ def page() -> str:
 
 def _sections() -> Iterator[str]:
     commands: Any = typer.main.get_command(app)
-    for group in GROUPS:
+    top = typer.Context(commands)
+    for group, verbs in GROUPS.items():
         yield f"\n## {group}\n"
-        for name, command in commands.commands.items():
-            if command.rich_help_panel == group:
-                context = typer.Context(
-                    command, info_name=f"wmrgen {name}", terminal_width=100, max_content_width=100
-                )
-                yield f"\n### {name}\n\n```text\n{command.get_help(context).rstrip()}\n```\n"
+        for verb in verbs:
+            command = commands.get_command(top, verb.name)
+            context = typer.Context(
+                command, info_name=f"wmrgen {verb.name}", terminal_width=100, max_content_width=100
+            )
+            yield f"\n### {verb.name}\n\n```text\n{command.get_help(context).rstrip()}\n```\n"
 
 
 if __name__ == "__main__":

@@ -1,34 +1,25 @@
-"""The commands: help, version, usage; what each declares is what the function that does its work takes."""
+"""The command line as a whole: help, version, usage, and that a verb loads what it needs and no more."""
 
 from __future__ import annotations
 
-import pkgutil
+import inspect
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from importlib import import_module
-from inspect import isfunction, signature
-from pathlib import Path
 
 import pytest
+import typer
+from typer.main import get_command
 
 import wmrgen
-import wmrgen.cli
 from tests.conftest import Outcome
-from wmrgen.cli import declare
-from wmrgen.cli.declare import GROUPS
-from wmrgen.cli.verbs import app
+from wmrgen.cli.commands import GROUPS, VERBS, app
+from wmrgen.cli.declare import DECLARED
 
 Cli = Callable[..., Outcome]
-
-
-COMMANDS = [command.callback for command in app.registered_commands if command.callback]
-
-
-MODULES = [
-    import_module(f"wmrgen.cli.{m.name}")
-    for m in pkgutil.iter_modules(wmrgen.cli.__path__)
-    if m.name not in ("declare", "verbs")
-]
+HEAVY = {"sympy", "numpy", "casadi", "scipy", "jinja2", "mpmath", "yaml"}
 
 
 @pytest.mark.parametrize("command", [(), ("derive",), ("eval",), ("check",)])
@@ -49,30 +40,48 @@ def test_help_lists_every_command_once_in_its_group(wmrgen_cli: Cli) -> None:
             name = line.split()[0]
             assert name not in listed
             listed[name] = group
-    names = [command.name or command.callback.__name__ for command in app.registered_commands]
-    assert sorted(listed) == sorted(names)
-    assert tuple(dict.fromkeys(listed.values())) == GROUPS
-    assert (listed["import"], listed["derive"], listed["eval"], listed["prove"]) == GROUPS
+    assert list(listed) == list(VERBS)
+    assert tuple(dict.fromkeys(listed.values())) == tuple(GROUPS)
+    assert (listed["import"], listed["derive"], listed["eval"], listed["prove"]) == tuple(GROUPS)
 
 
-@pytest.mark.parametrize(
-    ("words", "built"), [(["list", "--help"], 1), (["--help"], len(COMMANDS)), (["lst"], len(COMMANDS))]
-)
-def test_a_command_that_is_named_is_the_only_one_that_is_built(
-    monkeypatch: pytest.MonkeyPatch, words: list[str], built: int
-) -> None:
-    counts = []
-    monkeypatch.setattr(
-        declare.Commands, "main", lambda commands, *_, **__: counts.append(len(commands.commands))
-    )
-    app(words)
-    assert counts == [built]
-    assert [command.callback for command in app.registered_commands] == COMMANDS
+def loaded(words: str) -> set[str]:
+    """The modules that a process has loaded when ``wmrgen`` ends that was called with ``words``."""
+    code = f"import contextlib, sys\nsys.argv[1:] = {words.split()!r}\nfrom wmrgen.__main__ import main\n"
+    code += "with contextlib.suppress(SystemExit): main()\nprint(*sys.modules, file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(done.stderr.splitlines()[-1].split())
 
 
-def test_a_group_that_help_does_not_have_is_refused() -> None:
-    with pytest.raises(ValueError, match="no group Analyze"):
-        declare.group("Analyze")
+def home(verb: str) -> str:
+    return f"wmrgen.cli.{VERBS[verb].module}"
+
+
+@pytest.mark.parametrize("verb", ["", "list", "model"])
+def test_only_the_verb_that_is_named_is_loaded(verb: str) -> None:
+    modules = loaded(f"{verb} --help")
+    homes = {home(name) for name in VERBS}
+    assert modules & homes == ({home(verb)} if verb else set())
+    assert not modules & HEAVY
+
+
+def test_no_verb_loads_anything_heavy_before_it_runs() -> None:
+    """So that help and completion in a shell answer at once."""
+    code = f"import sys, {', '.join(map(home, VERBS))}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not set(done.stdout.split()) & HEAVY
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_a_verb_is_declared_by_its_module(name: str) -> None:
+    """As a function with help, every parameter an argument or an option."""
+    import_module(home(name))
+    work = DECLARED[name]
+    help_text = inspect.getdoc(work) or ""
+    assert help_text.startswith(f"Example:  wmrgen {name}")
+    commands = get_command(app)
+    command = commands.get_command(typer.Context(commands), name)  # type: ignore[attr-defined]
+    assert {p.name for p in command.params} == set(inspect.signature(work).parameters)
 
 
 def test_no_words_at_all_are_a_question(wmrgen_cli: Cli) -> None:
@@ -94,34 +103,3 @@ def test_bad_usage(wmrgen_cli: Cli, words: tuple[str, ...]) -> None:
     done = wmrgen_cli(*words)
     assert done.code == 2
     assert "Usage:" in done.err
-
-
-@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.__name__)
-def test_a_command_and_its_work_have_the_same_parameters(command: object) -> None:
-    assert isfunction(command)
-    homes = [vars(module).get(command.__name__) for module in MODULES]
-    (work,) = {f for f in homes if isfunction(f) and f.__module__.startswith("wmrgen.cli.")}
-    assert set(signature(work).parameters) == set(signature(command).parameters)
-
-
-@pytest.mark.parametrize(
-    ("words", "what_to_do"),
-    [
-        ("check", "Name a robot file."),
-        ("schema --json --markdown", "Give one of them, not both."),
-        ("eval PAIR inverse vx=1 --cases x.json", "Give one of them, not both."),
-        ("motion PAIR", "Give wheel speeds and --time, or --segments FILE.json."),
-        ("motion PAIR --time 1 --segments x.json", "Give wheel speeds and --time, or --segments FILE.json."),
-        ("icr PAIR", "Give vx= vy= omega=, or steering angles <wheel>.steer=, or icr.x= icr.y=."),
-        ("gains k_rho=1e60", "Gains of robots are near 1 to 10."),
-    ],
-)
-def test_what_to_do_is_a_sentence_of_its_own(
-    wmrgen_cli: Cli, robot_file: Path, monkeypatch: pytest.MonkeyPatch, words: str, what_to_do: str
-) -> None:
-    """After what is wrong, a clause that begins small, as behind the place in a robot file."""
-    monkeypatch.chdir(robot_file.parent)
-    done = wmrgen_cli(*words.replace("PAIR", robot_file.name).split())
-    assert done.code == 2 and bool(done.out) == ("--json" in words)
-    what, hint, end = done.err.partition(f". {what_to_do}\n")
-    assert what[:1] in "abcdefghijklmnopqrstuvwxyz-" and hint and not end

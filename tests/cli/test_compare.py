@@ -40,11 +40,12 @@ def test_a_table_with_codes_places_and_motion(wmrgen_cli: Cli, urdf: Path, param
     title, track, turn, second, radius, *motion = done.out.splitlines()
     assert title.startswith(f"{urdf} -> {urdf}: drive (libgazebo_ros_diff_drive.so drive):")
     assert track.split()[:2] == ["WMR040", "track"] and "0.48 m -> 0.5 m (+4.2 %)" in track
-    assert turn.split(maxsplit=1) == ["turn:", "yaw rate 4.2 % high"]
+    assert turn.split()[0] == "turn:" and "4.2 %" in turn
     assert second.startswith(f"{urdf} -> {parameters}: drive")
     assert "WMR042  radius (wheel_radius) 0.1 m -> 0.12 m (+20.0 %)" in radius
     assert radius.endswith(f"{parameters}:5:17")
-    assert motion == ["  straight: drives 16.7 % too slow", "  turn:     yaw rate 16.7 % low"]
+    assert [line.split()[0] for line in motion] == ["straight:", "turn:"]
+    assert all("16.7 %" in line for line in motion)
 
 
 def test_lint_reads_xacro_of_other_packages_with_its_arguments(wmrgen_cli: Cli, tmp_path: Path) -> None:
@@ -74,9 +75,9 @@ def test_parameters_of_no_wheel_controller_are_told_from_a_robot_file(
     )
     done = wmrgen_cli("compare", urdf, other)
     assert (done.code, done.out) == (2, "")
-    assert "groups.yaml: neither a robot file nor parameters of a wheel controller" in done.err
+    assert done.err.startswith(f"error[WMR111]: {other}: ")
     other.write_text("name: bot\nwheels:\n  - {name: left, type: fixed, x: 0, y: 0.1, r: 0.1}\n")
-    assert "the robot file has no wmrgen" in wmrgen_cli("compare", urdf, other).err
+    assert "error[WMR103]" in wmrgen_cli("compare", urdf, other).err
 
 
 def test_json_is_one_object(wmrgen_cli: Cli, urdf: Path, parameters: Path) -> None:
@@ -89,7 +90,8 @@ def test_json_is_one_object(wmrgen_cli: Cli, urdf: Path, parameters: Path) -> No
     (d,) = first["differences"]
     assert (d["code"], d["quantity"], d["wheel"], d["a"], d["b"]) == ("WMR042", "radius", "", 0.1, 0.12)
     assert d["marks"] == [{"file": str(parameters), "line": 5, "column": 17}]
-    assert first["motion"]["turn"] == {"ratio": pytest.approx(1 / 1.2), "words": "yaw rate 16.7 % low"}
+    assert first["motion"]["turn"]["ratio"] == pytest.approx(1 / 1.2)
+    assert "16.7 %" in first["motion"]["turn"]["words"]
     assert [d["code"] for d in second["differences"]] == ["WMR040"]
 
 
@@ -112,20 +114,20 @@ def test_what_one_file_alone_says_is_not_compared(wmrgen_cli: Cli, tmp_path: Pat
     other.write_text(f"{CONTROLLER}  wheel_radius: 0.12\n")
     meshes.write_text(robot(wheel("left", "0 0.24 0.1", mesh), wheel("right", "0 -0.24 0.1", mesh)))
     drawn.write_text(robot(wheel("left", "0 0.24 0.1"), wheel("right", "0 -0.24 0.1")))
-    source = "drive (diff_drive_controller/DiffDriveController)"
-    for files, words in (
-        ((parameters, other), f"track, which {other}: {source} does not say"),
-        ((other, parameters), f"wheel_separation 0.48 m, which {other}: {source} does not say"),
-        ((meshes, other), f"wheel_radius 0.12 m, which {meshes} does not say"),
-        ((PIONEER, other), f"track, which {other}: {source} does not say"),
-        ((drawn, meshes), f"radius of left, radius of right, which {meshes} does not say"),
+    for files, value, source in (
+        ((parameters, other), "track", other),
+        ((other, parameters), "wheel_separation 0.48 m", other),
+        ((meshes, other), "wheel_radius 0.12 m", meshes),
+        ((PIONEER, other), "track", other),
+        ((drawn, meshes), "radius of left, radius of right", meshes),
     ):
-        told = wmrgen_cli("compare", *files).out.splitlines()
-        assert told[0].endswith("equal in what both say" if PIONEER not in files else ":")
-        assert f"  not compared: {words}" in told
-        assert PIONEER in files or not any("turn:" in line for line in told)
+        shown = wmrgen_cli("compare", *files).out.splitlines()
         (comparison,) = json.loads(wmrgen_cli("compare", *files, "--json").out)["comparisons"]
-        assert words in comparison["not_compared"]
+        assert comparison["equal"] == (PIONEER not in files)
+        words = [w for w in comparison["not_compared"] if w.startswith(value)]
+        assert len(words) == 1 and str(source) in words[0]
+        assert f"  not compared: {words[0]}" in shown
+        assert PIONEER in files or not any("turn:" in line for line in shown)
 
 
 def test_places_of_steering_joints_which_a_robot_file_does_not_name(wmrgen_cli: Cli, tmp_path: Path) -> None:
@@ -150,19 +152,21 @@ def test_places_of_steering_joints_which_a_robot_file_does_not_name(wmrgen_cli: 
 
 
 @pytest.mark.parametrize(
-    ("files", "said"),
+    ("files", "code", "names"),
     [
-        (["none.yaml"], "no such file"),
-        (["control.yaml"], "give a second file"),
-        (["robot.yaml"], "give a second file"),
-        (["robot.yaml", "empty.yaml"], "empty"),
-        (["robot.yaml", "bad.yaml"], "no number"),
-        (["robot.yaml", "robot.xml"], "robot.xml"),
-        (["robot.yaml", "header.h"], "no header of wmrgen"),
-        (["robot.yaml", "many.h"], "more than 64 wheels"),
+        (["none.yaml"], "WMR110", "none.yaml"),
+        (["control.yaml"], "WMR112", ""),
+        (["robot.yaml"], "WMR112", ""),
+        (["robot.yaml", "empty.yaml"], "WMR101", "empty.yaml:1:1"),
+        (["robot.yaml", "bad.yaml"], "WMR109", "bad.yaml:1:23"),
+        (["robot.yaml", "robot.xml"], "WMR111", "robot.xml:1:15"),
+        (["robot.yaml", "header.h"], "WMR111", "header.h"),
+        (["robot.yaml", "many.h"], "WMR111", "64"),
     ],
 )
-def test_bad_files(wmrgen_cli: Cli, tmp_path: Path, parameters: Path, files: list[str], said: str) -> None:
+def test_bad_files(
+    wmrgen_cli: Cli, tmp_path: Path, parameters: Path, files: list[str], code: str, names: str
+) -> None:
     (tmp_path / "robot.yaml").write_text(PIONEER.read_text())
     (tmp_path / "empty.yaml").write_text("")
     (tmp_path / "bad.yaml").write_text("drive: {wheel_radius: ten}\n")
@@ -170,10 +174,11 @@ def test_bad_files(wmrgen_cli: Cli, tmp_path: Path, parameters: Path, files: lis
     (tmp_path / "header.h").write_text("#define MINE_WHEELS 2\n")
     many = "".join(f" *   w{k}: fixed, x 0 m, y {k} m\n" for k in range(65))
     (tmp_path / "many.h").write_text(f"/**\n{many}\n#define MINE_WHEELS 65\n")
-    for options in ([], ["--json"]):
-        done = wmrgen_cli("compare", *(tmp_path / name for name in files), *options)
-        assert done.code == 2
-        assert said in done.err + done.out
+    done = wmrgen_cli("compare", *(tmp_path / name for name in files))
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith(f"error[{code}]") and names in done.err
+    done = wmrgen_cli("compare", *(tmp_path / name for name in files), "--json")
+    assert done.code == 2 and [error["code"] for error in json.loads(done.out)["errors"]] == [code]
 
 
 def test_lint_holds_other_files_against_the_robot_before_them(
@@ -183,7 +188,7 @@ def test_lint_holds_other_files_against_the_robot_before_them(
     told = json.loads(done.out)["findings"]
     assert done.code == 1 and [f["code"] for f in told] == ["WMR040", "WMR042"]
     assert (told[1]["file"], told[1]["line"]) == (str(parameters), 5)
-    assert "the robot drives 16.7 % too slow; yaw rate 16.7 % low" in told[1]["instead"]
+    assert told[1]["instead"].count("16.7 %") == 2
     done = wmrgen_cli("lint", robot_file, PIONEER)  # two robots are not compared
     assert done.code == 0
     parameters.write_text(parameters.read_text().replace("0.12", "0.12   # wmrgen: ignore WMR042"))
@@ -209,7 +214,6 @@ def test_lint_of_descriptions(wmrgen_cli: Cli, urdf: Path, tmp_path: Path) -> No
     )
     done = wmrgen_cli("lint", same, swapped, "--json")
     assert [f["code"] for f in json.loads(done.out)["findings"]] == ["WMR044", "WMR044"]
-    assert "turns the wrong way" in json.loads(done.out)["findings"][0]["instead"]
 
 
 def test_findings_in_xml_have_their_place_and_can_be_kept(wmrgen_cli: Cli, tmp_path: Path) -> None:
@@ -252,4 +256,4 @@ def test_what_a_macro_makes_stands_where_the_macro_has_it(wmrgen_cli: Cli, tmp_p
     parts.write_text(parts.read_text().replace('"0 ${y} 0.1"', '"0 ${y} O"'))
     done = wmrgen_cli("import", path)
     at = joint.index("<origin", at) + 2
-    assert done.code == 2 and f"--> {parts}:2:{at}\n" in done.err and "'O' is not a number" in done.err
+    assert done.code == 2 and f"--> {parts}:2:{at}\n" in done.err and "'O'" in done.err

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -30,7 +31,7 @@ def test_eval_tells_inputs_beyond_the_limits(wmrgen_cli: Cli, vx: str, beyond: b
     """The Pioneer's are vx: 1.2, spin: 12.3; what it computes is the same."""
     words = ("eval", PIONEER, "inverse", f"vx={vx}", "vy=0", "omega=0", "tail.steer=0")
     done = wmrgen_cli(*words)
-    assert done.err == ("vx is beyond the robot's limits, -1.2 to 1.2 m/s\n" if beyond else "")
+    assert beyond == (done.err != "") == bool(re.fullmatch(r"vx .*limits, -1\.2 to 1\.2 m/s\n", done.err))
     found = json.loads(wmrgen_cli(*words, "--json").out)
     assert found.pop("beyond_limits", None) == ({"vx": [-1.2, 1.2]} if beyond else None)
     assert [f"{name} = {value!r}" for name, value in found.items()] == [
@@ -40,7 +41,7 @@ def test_eval_tells_inputs_beyond_the_limits(wmrgen_cli: Cli, vx: str, beyond: b
 
 def test_eval_knows_the_limits_of_joints_and_what_keeps_limits(wmrgen_cli: Cli) -> None:
     forward = wmrgen_cli("eval", PIONEER, "forward", "left.spin=12.3", "right.spin=12.4")
-    assert forward.err == "right.spin is beyond the robot's limits, -12.3 to 12.3 rad/s\n"
+    assert re.fullmatch(r"right\.spin .*limits, -12\.3 to 12\.3 rad/s\n", forward.err)
     cases = (
         '[{"vx": 0, "vy": 0, "omega": 9, "tail.steer": 0}, {"vx": 2, "vy": 0, "omega": 0, "tail.steer": 0}]'
     )
@@ -188,9 +189,9 @@ def test_tunable_parameters_are_inputs_with_a_nominal_value(wmrgen_cli: Cli, rob
         (("inverse", "vz=1"), "'vz'"),
         (("inverse", "omga=1"), "omega"),
         (("inverse", "left.spin=1"), "vx vy omega"),
-        (("invers", "vx=1"), "Did you mean inverse?"),
+        (("invers", "vx=1"), "inverse?"),
         (("inverse", "vx"), "NAME=VALUE"),
-        (("inverse", "vx=1", "vx=2"), "twice"),
+        (("inverse", "vx=1", "vx=2"), "vx"),
         (("inverse", "vx=nan"), "vx"),
         (("inverse", "vx=inf"), "vx"),
         (("inverse", "vx=1e999"), "vx"),
@@ -205,7 +206,7 @@ def test_tunable_parameters_are_inputs_with_a_nominal_value(wmrgen_cli: Cli, rob
 def test_eval_refuses(wmrgen_cli: Cli, robot_file: Path, words: tuple[str, ...], says: str) -> None:
     done = wmrgen_cli("eval", robot_file, *words)
     assert (done.code, done.out) == (2, ""), done
-    assert says in done.err
+    assert done.err.startswith("error[WMR112]") and says in done.err
 
 
 @pytest.mark.parametrize(
@@ -223,7 +224,7 @@ def test_eval_refuses_cases(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path, t
 def test_a_missing_cases_file(wmrgen_cli: Cli, robot_file: Path) -> None:
     done = wmrgen_cli("eval", robot_file, "inverse", "--cases", "nowhere.json")
     assert (done.code, done.out) == (2, "")
-    assert done.err.startswith("error[WMR110]: nowhere.json: no such file")
+    assert done.err.startswith("error[WMR110]: nowhere.json: ")
 
 
 def test_no_compiler(wmrgen_cli: Cli, robot_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -237,13 +238,14 @@ def test_no_compiler(wmrgen_cli: Cli, robot_file: Path, monkeypatch: pytest.Monk
     ("backend", "vx", "note"),
     [
         ("numpy", "1e308", ""),
-        ("c", "1e39", " (the numbers of float end at 3.4e38; --scalar double goes further)"),
+        ("c", "1e39", "--scalar double"),
     ],
 )
 def test_json_has_no_infinity(wmrgen_cli: Cli, robot_file: Path, backend: str, vx: str, note: str) -> None:
     words = ("eval", robot_file, "inverse", f"vx={vx}", "vy=0", "omega=0", "--backend", backend)
     done = wmrgen_cli(*words, "--json")
-    assert done.err == f"not finite, null in JSON: left.spin right.spin{note}\n"
+    assert len(done.err.splitlines()) == 1 and " left.spin right.spin" in done.err and note in done.err
+    assert note or "--scalar" not in done.err
     found = json.loads(done.out, parse_constant=pytest.fail)
     assert found["left.spin"] is None and found["slip"] == 0.0
     assert "left.spin  = inf" in wmrgen_cli(*words).out

@@ -116,8 +116,8 @@ def test_one_bad_file_of_two_writes_nothing(wmrgen_cli: Cli, robot_file: Path, t
 def test_two_robots_of_one_name(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
     shutil.copy(robot_file, tmp_path / "again.yaml")
     done = wmrgen_cli("derive", robot_file, tmp_path / "again.yaml", "-o", tmp_path / "out")
-    assert done.code == 2
-    assert "both describe a robot called pair" in done.err
+    assert done.code == 2 and done.err.startswith("error[WMR112]")
+    assert str(robot_file) in done.err and str(tmp_path / "again.yaml") in done.err
     assert not (tmp_path / "out").exists()
 
 
@@ -125,7 +125,7 @@ def test_a_directory_that_cannot_be_written(wmrgen_cli: Cli, robot_file: Path, t
     (tmp_path / "out").write_text("in the way")
     done = wmrgen_cli("derive", robot_file, "-o", tmp_path / "out")
     assert done.code == 4
-    assert done.err.startswith(f"error[WMR114]: cannot write {tmp_path / 'out' / 'pair'}")
+    assert done.err.startswith("error[WMR114]") and str(tmp_path / "out" / "pair") in done.err
     assert (tmp_path / "out").read_text() == "in the way"
 
 
@@ -177,23 +177,24 @@ def test_check_passes_when_fresh(wmrgen_cli: Cli, project: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "says"),
+    ("change", "file"),
     [
-        (lambda g: (g / "pair" / "pair.c").write_text("changed"), "generated/pair/pair.c: not what"),
-        (lambda g: (g / "pair" / "pair.h").unlink(), "generated/pair/pair.h: missing"),
-        (lambda g: (g / "pair" / "pair.cpp").write_text(""), "generated/pair/pair.cpp: no robot file"),
-        (lambda g: (g / "pair" / "manifest.json").write_text("{}"), "generated/pair/manifest.json: not what"),
-        (lambda g: (g / "gone").mkdir(), "generated/gone: no robot file"),
-        (lambda g: shutil.rmtree(g), "generated/pair/model.json: missing"),
+        (lambda g: (g / "pair" / "pair.c").write_text("changed"), "generated/pair/pair.c"),
+        (lambda g: (g / "pair" / "pair.h").unlink(), "generated/pair/pair.h"),
+        (lambda g: (g / "pair" / "pair.cpp").write_text(""), "generated/pair/pair.cpp"),
+        (lambda g: (g / "pair" / "manifest.json").write_text("{}"), "generated/pair/manifest.json"),
+        (lambda g: (g / "gone").mkdir(), "generated/gone"),
+        (lambda g: shutil.rmtree(g), "generated/pair/model.json"),
     ],
 )
 def test_check_names_what_is_stale(
-    wmrgen_cli: Cli, project: Path, change: Callable[[Path], object], says: str
+    wmrgen_cli: Cli, project: Path, change: Callable[[Path], object], file: str
 ) -> None:
     change(project / "generated")
     done = wmrgen_cli("check")
     assert done.code == 1
-    assert says in done.out
+    assert f"\n{file}: " in f"\n{done.out}"
+    assert file in [entry["file"] for entry in json.loads(wmrgen_cli("check", "--json").out)["stale"]]
 
 
 def test_check_sees_a_changed_robot(wmrgen_cli: Cli, project: Path) -> None:
@@ -230,7 +231,7 @@ def test_every_function_that_a_robot_cannot_have_is_told_where_it_is_asked_for(
     places = [line.rpartition(".yaml:")[2] for line in done.err.splitlines() if "-->" in line]
     line = text.count("\n") - 1
     assert places[-2:] == [f"{line}:18", f"{line + 1}:3"], done.err
-    assert "has no desaturate:" in done.err and "no wheel has an encoder" in done.err
+    assert done.err.count("error[WMR113]") == 2 and " desaturate" in done.err
 
 
 def test_batch_is_noted(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:

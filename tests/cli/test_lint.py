@@ -26,7 +26,7 @@ def test_a_finding_has_place_line_caret_and_help(wmrgen_cli: Cli, swapped: Path)
     done = wmrgen_cli("lint", swapped)
     assert done.code == 1
     what, place, line, caret, instead = done.out.splitlines()
-    assert what.startswith("warning[WMR012]: left and right turn against each other")
+    assert what.startswith("warning[WMR012]: ") and "left" in what and "right" in what
     assert place == f" --> {swapped}:7:5"
     assert line.startswith("7 |   - {name: right") and caret.index("^") == line.index("{")
     assert instead.startswith("  = ") and "beta: pi" in instead
@@ -73,7 +73,7 @@ def test_one_json_object_with_findings_and_errors(wmrgen_cli: Cli, swapped: Path
         7,
         5,
     )
-    assert (empty["line"], empty["column"], empty["what"]) == (3, 9, "the list of wheels is empty")
+    assert (empty["line"], empty["column"], empty["code"]) == (3, 9, "WMR104")
     assert (error["line"], error["column"], error["exit_code"]) == (4, 1, 2)
     assert "wheelz" in error["what"]
 
@@ -81,7 +81,7 @@ def test_one_json_object_with_findings_and_errors(wmrgen_cli: Cli, swapped: Path
 def test_explain(wmrgen_cli: Cli) -> None:
     done = wmrgen_cli("explain", "wmr012")
     assert done.code == 0
-    assert done.out.startswith("WMR012: wheels that roll against each other\n")
+    assert done.out.startswith(f"WMR012: {RULES['WMR012'].title}\n")
     assert "\nwrong:\n" in done.out and "\nright:\n" in done.out and "# wmrgen: ignore WMR012" in done.out
     told = json.loads(wmrgen_cli("explain", "WMR012", "--json").out)
     assert told["wrong"] != told["right"] and told["code"] == "WMR012"
@@ -96,16 +96,16 @@ def test_explain_lists_all_codes(wmrgen_cli: Cli) -> None:
 
 def test_an_unknown_code_names_the_nearest(wmrgen_cli: Cli) -> None:
     done = wmrgen_cli("explain", "WMR0012")
-    assert done.code == 2 and "Did you mean WMR012?" in done.err
+    assert done.code == 2 and "WMR012?" in done.err
 
 
 def test_parameters_are_not_blamed_for_a_robot_that_cannot_be_read(wmrgen_cli: Cli, tmp_path: Path) -> None:
     parameters = tmp_path / "c.yaml"
     parameters.write_text("drive: {type: diff_drive_controller/DiffDriveController, wheel_separation: 0.4}\n")
     alone = wmrgen_cli("lint", parameters)
-    assert alone.code == 2 and "has no robot before it" in alone.err
+    assert alone.code == 2 and alone.err.startswith("error[WMR112]") and str(parameters) in alone.err
     done = wmrgen_cli("lint", tmp_path / "none.yaml", parameters)
-    assert done.code == 2 and "no such file" in done.err and "no robot before it" not in done.err
+    assert done.code == 2 and done.err.startswith("error[WMR110]") and str(parameters) not in done.err
 
 
 def test_what_is_not_compared_is_told(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
@@ -114,10 +114,9 @@ def test_what_is_not_compared_is_told(wmrgen_cli: Cli, robot_file: Path, tmp_pat
     parameters.write_text("drive: {type: diff_drive_controller/DiffDriveController, wheel_radius: 0.0975}\n")
     done = wmrgen_cli("lint", robot_file, parameters)
     assert (done.code, done.out) == (0, "2 files: no findings in what was compared\n")
-    assert "not compared: track, which" in done.err
     (told,) = json.loads(wmrgen_cli("lint", robot_file, parameters, "--json").out)["not_compared"]
-    assert told in done.err
+    assert told in done.err and "track" in told
     description.write_text(robot(wheel("left", "0 0.2 0.1"), wheel("right", "0 -0.2 0.1")))
     done = wmrgen_cli("lint", description)
     assert (done.code, done.out) == (0, "1 file: no findings in what was compared\n")
-    assert "names are held against places, nothing else" in done.err
+    assert str(description) in done.err and "`wmrgen import`" in done.err

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -14,7 +16,7 @@ import yaml
 
 import wmrgen
 from tests.conftest import ROOT, Outcome
-from wmrgen.cli import console
+from wmrgen.cli.commands import app
 from wmrgen.functions.registry import names
 from wmrgen.robotfile.keys import ROBOT
 from wmrgen.robotfile.schema import MODELINE
@@ -48,7 +50,8 @@ def test_what_begins_as_a_robot_is_that_robot(wmrgen_cli: Cli, here: Path, path:
     done = wmrgen_cli("new", "mine", "--from", path.stem)
     assert done.code == 0, done.err
     text = (here / "mine.yaml").read_text(encoding="utf-8")
-    assert text.startswith(f"{MODELINE}\n# mine, begun as {path.stem} of wmrgen's gallery.")
+    first, second = text.splitlines()[:2]
+    assert first == MODELINE and second.startswith("# mine") and path.stem in second
     ours, theirs = (yaml.load(t, yaml.BaseLoader) for t in (text, path.read_text(encoding="utf-8")))
     assert ours.pop("name") == "mine" and ours.pop("description") == f"after {theirs.pop('description')}"
     del theirs["name"]
@@ -82,25 +85,27 @@ def test_values_and_a_description_of_one_s_own(wmrgen_cli: Cli, here: Path) -> N
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "code", "names"),
     [
-        ("", "Write wmrgen new MY_ROBOT --from ROBOT"),
-        ("mine", "Write wmrgen new MY_ROBOT --from ROBOT"),
-        ("mine --from pionier3dx", "Did you mean pioneer3dx?"),
-        ("mine --from pioneer3dx radios=1", "Did you mean radius?"),
-        ("mine --from pioneer3dx radius", "'radius' is not PARAMETER=VALUE"),
-        ("mine --from pioneer3dx radius=1:30", "1:30"),
-        ("mine --from pioneer3dx radius=", "radius"),
-        ("mine --from pioneer3dx radius=-1", "r"),
-        ("mine --from unicycle radius=1", "It has none: edit the file."),
-        ("int --from pioneer3dx", "int"),
-        ("../x --from pioneer3dx", "../x"),
+        ("", "WMR112", "--from"),
+        ("mine", "WMR112", "--from"),
+        ("mine --from pionier3dx", "WMR112", "pioneer3dx?"),
+        ("mine --from pioneer3dx radios=1", "WMR112", "radius?"),
+        ("mine --from pioneer3dx radius", "WMR112", "'radius'"),
+        ("mine --from pioneer3dx radius=1:30", "WMR104", "'1:30'"),
+        ("mine --from pioneer3dx radius=", "WMR104", "radius"),
+        ("mine --from pioneer3dx radius=-1", "WMR109", "-1"),
+        ("mine --from unicycle radius=1", "WMR112", "'radius'"),
+        ("int --from pioneer3dx", "WMR105", "'int'"),
+        ("../x --from pioneer3dx", "WMR105", "'../x'"),
     ],
 )
-def test_what_new_refuses_writes_nothing(wmrgen_cli: Cli, here: Path, words: str, says: str) -> None:
+def test_what_new_refuses_writes_nothing(
+    wmrgen_cli: Cli, here: Path, words: str, code: str, names: str
+) -> None:
     done = wmrgen_cli("new", *words.split())
     assert (done.code, done.out) == (2, "")
-    assert says in done.err and not list(here.iterdir())
+    assert done.err.startswith(f"error[{code}]") and names in done.err and not list(here.iterdir())
 
 
 def test_new_never_writes_over_a_file(wmrgen_cli: Cli, here: Path) -> None:
@@ -111,18 +116,33 @@ def test_new_never_writes_over_a_file(wmrgen_cli: Cli, here: Path) -> None:
     assert (here / "mine.yaml").read_text() + (here / "robot.schema.json").read_text() == "mine\n{}"
 
 
-def test_questions(wmrgen_cli: Cli, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+class Terminal(io.StringIO):
+    """A stream that somebody types at and reads."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def asked(monkeypatch: pytest.MonkeyPatch, answers: str, *words: str) -> tuple[int, str]:
+    """Exit code and questions of the command line on a terminal at which somebody types ``answers``."""
+    shown = Terminal()
+    with monkeypatch.context() as patch, pytest.raises(SystemExit) as end:
+        patch.setattr("sys.stdin", Terminal(answers))
+        patch.setattr("sys.stderr", shown)
+        app(["new", *words])
+    return int(str(end.value.code)), shown.getvalue()
+
+
+def test_questions(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What is given is not asked; an input that ends is no answer."""
-    monkeypatch.setattr(console, "can_ask", lambda: True)
-    done = wmrgen_cli("new", "--from", "bicycle", stdin="int\nmine\nlong\n1.25\n-2 m\n\n")
-    assert done.code == 0 and "reserved" in done.err and done.err.count("wheelbase? [1.1]") == 2
-    assert (
-        "'long' is not a declared parameter" in done.err and "150 mm" in done.err and "r? [0.34]" in done.err
-    )
+    code, said = asked(monkeypatch, "int\nmine\nlong\n1.25\n-2 m\n\n", "--from", "bicycle")
+    assert code == 0 and re.findall(r"error\[(WMR\d+)\]", said) == ["WMR105", "WMR107", "WMR109", "WMR109"]
+    assert [said.count(f"{name}? [{value}]") for name, value in (("wheelbase", 1.1), ("r", 0.34))] == [2, 2]
     assert [float(p.nominal) for p in wmrgen.load(here / "mine.yaml").parameters] == [1.25, 0.34]
-    assert wmrgen_cli("new", "other", "r=1", "--from", "bicycle").code == 0
-    done = wmrgen_cli("new", stdin="bicycle\nlast\n")
-    assert done.code == 2 and "the input has ended" in done.err and not (here / "last.yaml").exists()
+    code, said = asked(monkeypatch, "", "other", "r=1", "--from", "bicycle")
+    assert code == 0 and "?" not in said
+    code, said = asked(monkeypatch, "bicycle\nlast\n")
+    assert code == 2 and "error[WMR112]" in said and not (here / "last.yaml").exists()
 
 
 @TERMINALS
@@ -149,8 +169,8 @@ def test_new_asks_on_a_terminal(here: Path) -> None:
     os.close(parent)
     assert running.wait() == 0, shown
     text = shown.decode()
-    assert "kuka_youbot" in text and "the gallery has no robot 'tricycle'" in text
-    assert "What is your robot called? [my_bicycle]" in text and "wheelbase? [1.1]" in text
+    assert "kuka_youbot" in text and "error[WMR112]" in text and "'tricycle'" in text
+    assert "[my_bicycle]" in text and "wheelbase? [1.1]" in text
     robot = wmrgen.load(here / "my_bicycle.yaml")
     assert [float(p.nominal) for p in robot.parameters] == [1.25, 0.34]
 

@@ -46,8 +46,7 @@ def test_an_error_stream_that_is_full_is_no_stale_file(robot_file: Path, words: 
 def test_a_result_that_cannot_be_written(robot_file: Path, words: str, to: str) -> None:
     code, said = shell(f"wmrgen {words.replace('PAIR', str(robot_file))} {to}")
     assert code == 4
-    assert said.startswith("standard output cannot be written: ")
-    assert len(said.splitlines()) == 1
+    assert len(said.splitlines()) == 1 and "standard output" in said
 
 
 @pytest.mark.slow
@@ -79,7 +78,7 @@ def test_a_pipe_nobody_writes_to(wmrgen_cli: Cli, robot_file: Path, tmp_path: Pa
     for words in (("derive", pipe), ("eval", robot_file, "inverse", "--cases", pipe)):
         done = wmrgen_cli(*words)
         assert (done.code, done.out) == (2, "")
-        assert f"{pipe}" in done.err and "it is a pipe, not a regular file" in done.err
+        assert done.err.startswith(f"error[WMR110]: {pipe}: ")
 
 
 @POSIX
@@ -93,11 +92,10 @@ def test_a_pipe_of_the_shell_is_read(robot_file: Path, tmp_path: Path) -> None:
 @LINUX
 def test_files_without_an_end(wmrgen_cli: Cli, robot_file: Path) -> None:
     done = wmrgen_cli("eval", robot_file, "inverse", "--cases", "/dev/zero")
-    assert done.code == 2
-    assert "it is a device, not a regular file" in done.err
+    assert done.code == 2 and done.err.startswith("error[WMR110]: /dev/zero: ")
     code, said = shell(f"wmrgen eval {robot_file} inverse --cases - </dev/zero")
     assert code == 2
-    assert said.startswith("error[WMR112]: standard input is larger than 16 MiB")
+    assert said.startswith("error[WMR112]") and "16 MiB" in said
 
 
 def test_a_huge_file_of_cases(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
@@ -105,15 +103,13 @@ def test_a_huge_file_of_cases(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path)
         file.truncate(1 << 33)
     done = wmrgen_cli("eval", robot_file, "inverse", "--cases", tmp_path / "cases.json")
     assert (done.code, done.out) == (2, "")
-    assert "larger than 16 MiB" in done.err
+    assert done.err.startswith("error[WMR112]") and "16 MiB" in done.err
 
 
 @POSIX
 def test_closed_standard_input(robot_file: Path) -> None:
-    assert shell(f"wmrgen eval {robot_file} inverse --cases - <&-") == (
-        4,
-        "error[WMR114]: cannot read standard input: it is closed\n",
-    )
+    code, said = shell(f"wmrgen eval {robot_file} inverse --cases - <&-")
+    assert code == 4 and said.startswith("error[WMR114]") and len(said.splitlines()) == 1
 
 
 # ---- signals

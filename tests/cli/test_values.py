@@ -38,8 +38,9 @@ def test_a_unit_that_begins_with_a_digit_needs_a_space() -> None:
 
 @pytest.mark.parametrize(("text", "unit"), [("2 m", "s"), ("2 rad", "1/m"), ("2.s", "m/s^2"), ("2 µs", "s")])
 def test_another_unit_is_refused_by_name(text: str, unit: str) -> None:
-    with pytest.raises(UsageError, match=f"q is in {unit.replace('^', '.')}. Write the number alone"):
+    with pytest.raises(UsageError) as caught:
         read(text, unit)
+    assert unit in caught.value.what and repr(text) in caught.value.what
 
 
 def test_lengths_and_angles_have_the_units_of_robot_files() -> None:
@@ -51,5 +52,6 @@ def test_lengths_and_angles_have_the_units_of_robot_files() -> None:
 def test_numbers_that_another_program_prints_are_taken_as_far_as_floats_go() -> None:
     assert read("1e-200", "s") == Fraction(1, 10**200)
     assert float(read("-1.5e308", "s")) == -1.5e308
-    with pytest.raises(UsageError, match="q = '2e308'"):
+    with pytest.raises(UsageError) as caught:
         read("2e308", "s")
+    assert "'2e308'" in caught.value.what

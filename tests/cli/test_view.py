@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 import signal
@@ -16,7 +17,6 @@ import pytest
 
 from tests.conftest import ROOT, Outcome
 from tests.report.pages.chromium import seen
-from wmrgen.cli import view
 
 Cli = Callable[..., Outcome]
 
@@ -39,28 +39,40 @@ def test_a_file_that_is_not_there_is_not_waited_for(
     wmrgen_cli: Cli, robot_file: Path, tmp_path: Path
 ) -> None:
     done = wmrgen_cli("view", robot_file, tmp_path / "nowhere.yaml", "--no-open", "-o", tmp_path / "out")
-    assert (done.code, done.out) == (2, "") and "no such file" in done.err
+    assert (done.code, done.out) == (2, "") and done.err.startswith("error[WMR110]")
     assert not (tmp_path / "out").exists()
 
 
 def test_every_change_is_shown_once(
-    robot_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    wmrgen_cli: Cli, robot_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whatever stands before what in the alphabet; files that are the same have one version."""
+    """Contents that are the same have one version, also when another one was between them."""
     texts = ["b", "b", "a", "c", "", None, "b", "b"]
-    shown: list[str] = []
+    versions: list[str] = []
 
-    def waits(seconds: float) -> None:
+    def sleep(seconds: float) -> None:
+        """Edit the file before the page is looked at again."""
+        versions.append((tmp_path / "version.js").read_text())
         if not texts:
             raise KeyboardInterrupt
         text = texts.pop(0)
         robot_file.unlink(missing_ok=True) if text is None else robot_file.write_text(text)
 
-    waits(0)
-    monkeypatch.setattr(view.time, "sleep", waits)
-    monkeypatch.setattr(view, "_show", lambda robots, folder, version: shown.append(version))
-    assert view.view([robot_file], no_open=True, out=tmp_path, as_json=False) == 0
-    assert [shown.index(version) for version in shown] == [0, 1, 2, 3, 4, 0]
+    monkeypatch.setattr(time, "sleep", sleep)
+    done = wmrgen_cli("view", robot_file, "--no-open", "-o", tmp_path)
+    assert done.code == 0
+    assert [versions.index(version) for version in versions] == [0, 1, 1, 3, 4, 5, 6, 1, 1]
+    assert len(re.findall(r"^error\[", done.err, re.MULTILINE)) == 6, "each change once"
+
+
+def test_a_path_that_is_no_file_is_refused(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """A device without an end, a pipe that nobody writes to, a folder."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    for path in (Path("/dev/zero"), pipe, tmp_path):
+        done = wmrgen_cli("view", path, "--no-open", "-o", tmp_path / "out")
+        assert (done.code, done.out) == (2, "")
+        assert done.err.startswith(f"error[WMR110]: {path}: ") and not (tmp_path / "out").exists()
 
 
 @pytest.fixture
@@ -92,11 +104,10 @@ def test_the_page_follows_the_file(watching: subprocess.Popen[str], robot_file: 
     )
     robot_file.write_text(good.replace("type: fixed", "type: <b>fixd</b>", 1))
     _until(lambda: version.read_text() != first)
-    assert "unknown wheel type" in page.read_text(encoding="utf-8") and "<b>" not in page.read_text(
-        encoding="utf-8"
-    )
+    broken = page.read_text(encoding="utf-8")
+    assert "error[WMR104]" in broken and "&lt;b&gt;fixd" in broken and "<b>" not in broken
     robot_file.unlink()
-    _until(lambda: "no such" in page.read_text(encoding="utf-8").lower())
+    _until(lambda: "error[WMR110]" in page.read_text(encoding="utf-8"))
     robot_file.write_text(good.replace("0.1655", "0.1777"))
     _until(lambda: "0.1777" in page.read_text(encoding="utf-8"))
     robot_file.write_text(good)

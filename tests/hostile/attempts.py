@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from tests.conftest import ROOT
-from wmrgen.cli.lint import explained
+from wmrgen.cli.explain import explained
 
 LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="forks, limits and /proc")
 SECONDS = 2.0  # that a processor may work for what is refused, the start of Python among them

@@ -26,7 +26,7 @@ SECONDS = 10  # of the processor, and twice that by the clock
 ROBOT = Path(__file__).parents[2] / "robots" / "turtlebot3_burger.yaml"
 LOADED = (
     *(f"wmrgen.{name}" for name in "derivation.facade tools.lint codegen.packages".split()),
-    *(f"wmrgen.cli.{name}" for name in "verbs generate evaluate importing lint".split()),
+    *(f"wmrgen.cli.{name}" for name in "commands generate evaluate importing lint".split()),
     *"defusedxml.ElementTree xacro casadi".split(),
 )
 

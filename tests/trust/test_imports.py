@@ -182,7 +182,7 @@ def test_sympy_stays_in_the_derivation() -> None:
 
 
 @pytest.mark.parametrize(
-    "code", ["import wmrgen", "import wmrgen.cli.verbs", "import wmrgen.robotfile", "HELP"]
+    "code", ["import wmrgen", "import wmrgen.cli.commands", "import wmrgen.robotfile", "HELP"]
 )
 def test_what_must_be_instant_loads_nothing_heavy(code: str) -> None:
     if code == "HELP":

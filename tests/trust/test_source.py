@@ -47,11 +47,7 @@ HOMES = {
     "markdown_it": {"report/pages/document"},
     "webbrowser": {"cli/view"},
     "rich": {"cli/console"},
-    "typer": {
-        "cli/declare",
-        "cli/verbs",
-        *(f"cli/verbs/{v}" for v in "analyse compute generate inputs".split()),
-    },
+    "typer": {"cli/commands", "cli/declare", "cli/verbs/generate"},
     "defusedxml": {"tools/importing/read"},
     "xacro": {"tools/importing/xacro"},
 }

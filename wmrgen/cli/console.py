@@ -1,8 +1,8 @@
-"""What a command says, and how it ends: the only module that prints.
+"""Output and exit codes of a command: the only module that prints.
 
-Results go to stdout, everything else to stderr. Colour (by Rich) only on a terminal. Output is UTF-8 whatever the
-locale, and control characters that come from a robot file are shown as escapes. An error ends a command with its exit
-code and in words, a signal with that of shells.
+Results go to stdout, everything else to stderr. Colours (by Rich) appear only on a terminal. Output is UTF-8 in every
+locale, and control characters from a robot file are printed as escapes. An error ends a command with a message and its
+exit code, a signal with 128 plus its number, as in shells.
 """
 
 from __future__ import annotations
@@ -22,15 +22,17 @@ from typing import Any, BinaryIO, TextIO, cast
 from wmrgen import __version__
 from wmrgen.errors import EnvironmentFailure, Mark, UsageError, WmrgenError
 
-PATIENCE = 1.0  # seconds after which a progress line appears
-_PIPE = 141  # the exit code of a process that SIGPIPE ended
-_BUG = 70  # exit code of an internal error, as in sysexits.h
+PATIENCE = 1.0  # s: when the progress line appears; shorter work needs none
+_PIPE = 141  # exit code of a process that SIGPIPE ends in a shell: 128 + 13
+_BUG = 70  # exit code of an internal error: EX_SOFTWARE of sysexits.h
 _WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "the terminal was closed"}
 
 
 class _Stream(io.TextIOWrapper):
-    """A standard stream in UTF-8. Where it cannot be written the process ends: a command that cannot say how it
-    went has not succeeded, and Python's own answer would be exit code 1, which means stale files."""
+    """A standard stream in UTF-8. If it cannot be written, the process ends with an exit code of its own.
+
+    A command that cannot print its result has failed. Python's own exit code would be 1, which means stale files.
+    """
 
     def __init__(self, stream: BinaryIO, title: str, lines: bool) -> None:
         super().__init__(stream, encoding="utf-8", errors="backslashreplace", line_buffering=lines)
@@ -48,7 +50,7 @@ class _Stream(io.TextIOWrapper):
     def _or_end(self) -> Iterator[None]:
         try:
             yield
-        except BrokenPipeError:  # a reader that went away (``wmrgen … | head``) is no reason to complain
+        except BrokenPipeError:  # the reader has ended, as in ``wmrgen … | head``: that is no error
             os._exit(_PIPE)
         except OSError as error:
             if self is not sys.stderr:
@@ -58,18 +60,22 @@ class _Stream(io.TextIOWrapper):
 
 
 def prepare() -> None:
-    """Make both streams UTF-8, so that the locale has no say in what is printed, and say when they fail."""
-    for handle in (0, 1, 2):  # one that the caller closed: no file that is opened later may take its number
+    """Make stdout and stderr UTF-8 in every locale, and end the process if they cannot be written.
+
+    A stream that the caller has closed is opened on the null device, so that no file that is opened later gets its
+    number. Closed stdout is opened for reading: then printing a result fails, as it should. Notes may be lost.
+    """
+    for handle in (0, 1, 2):
         try:
             os.fstat(handle)
         except OSError:
-            # What is printed is missed, a note not.
             os.open(os.devnull, os.O_WRONLY if handle == 2 else os.O_RDONLY)
     sys.stdout = _stream(sys.stdout, 1, "standard output")
     sys.stderr = _stream(sys.stderr, 2, "standard error")
 
 
 def _stream(stream: TextIO | None, handle: int, title: str) -> TextIO:
+    """Return a standard stream in UTF-8; one that is no file, as in tests, unchanged."""
     if stream is None:
         return _Stream(open(handle, "wb", closefd=False), title, True)
     if not isinstance(stream, io.TextIOWrapper):
@@ -79,13 +85,13 @@ def _stream(stream: TextIO | None, handle: int, title: str) -> TextIO:
 
 
 def close() -> None:
-    """Write out what is buffered."""
+    """Flush stdout and stderr."""
     sys.stdout.flush()
     sys.stderr.flush()
 
 
 def result(text: str, style: str = "") -> None:
-    """A line of the result, to stdout."""
+    """Print a line of the result to stdout."""
     _line(sys.stdout, text, style)
 
 
@@ -94,25 +100,33 @@ def values(
     units: Mapping[str, str] | None = None,
     remarks: Mapping[str, str] | None = None,
 ) -> None:
-    """Names and values one below the other, each with its unit and a remark in parentheses; a point in parentheses, a
-    text as it is."""
+    """Print a table of names and values to stdout.
+
+    Args:
+        named: values by name. A list is printed as a point, (1.0, 2.0).
+        units: units by name; missing or "" for none.
+        remarks: texts in parentheses after the unit, by name; missing or "" for none.
+    """
     width = max(map(len, named), default=0)
     for name, value in named.items():
-        point = f"({', '.join(map(repr, value))})" if isinstance(value, list) else None
-        unit = f" {units[name]}" if units and units.get(name) else ""
-        remark = f" ({remarks[name]})" if remarks and remarks.get(name) else ""
-        result(
-            f"{name:<{width}} = {point or (value if isinstance(value, str) else repr(value))}{unit}{remark}"
-        )
+        if isinstance(value, list):
+            text = f"({', '.join(map(repr, value))})"
+        else:
+            text = value if isinstance(value, str) else repr(value)
+        if units and units.get(name):
+            text += f" {units[name]}"
+        if remarks and remarks.get(name):
+            text += f" ({remarks[name]})"
+        result(f"{name:<{width}} = {text}")
 
 
 def data(value: object) -> None:
-    """A result as JSON, which has no word for infinity and NaN: null."""
+    """Print a result as JSON to stdout. Infinity and NaN, which JSON does not have, become null."""
     result(json.dumps(_finite(value), indent=2, allow_nan=False))
 
 
 def _finite(value: object) -> object:
-    """``value`` with None in place of every number that is not finite."""
+    """Return ``value`` with None in place of each infinity and NaN."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, Mapping):
@@ -123,28 +137,40 @@ def _finite(value: object) -> object:
 
 
 def note(text: str) -> None:
-    """A remark that is not part of the result, to stderr."""
+    """Print a remark, which is not part of the result, to stderr."""
     _line(sys.stderr, text, "dim")
 
 
 def on_a_terminal() -> bool:
-    """Whether somebody reads the result."""
+    """Return whether stdout is a terminal."""
     return bool(sys.stdout and sys.stdout.isatty())
 
 
 def can_ask() -> bool:
-    """Whether somebody sits there to answer questions."""
+    """Return whether a user can answer questions: stdin and stderr are terminals."""
     return bool(sys.stdin and sys.stdin.isatty() and sys.stderr.isatty())
 
 
 def ask(question: str, default: str, read: Callable[[str], str]) -> str:
-    """What ``read`` makes of the answer, asked until it takes one; ``default`` is for an empty line."""
+    """Ask a question on stderr until the answer is valid.
+
+    Args:
+        question: the question.
+        default: the answer that an empty line stands for.
+        read: returns the value of an answer, or raises a WmrgenError, which is printed before the next attempt.
+
+    Returns:
+        What ``read`` returns.
+
+    Raises:
+        UsageError: if the input ends.
+    """
     while True:
         sys.stderr.write(_clean(f"{question} [{default}] "))
         sys.stderr.flush()
         line = sys.stdin.readline()
         if not line:
-            raise UsageError("the question has no answer: the input has ended")
+            raise UsageError("there is no answer to the question: the input has ended")
         try:
             return read(line.strip() or default)
         except WmrgenError as error:
@@ -152,13 +178,16 @@ def ask(question: str, default: str, read: Callable[[str], str]) -> str:
 
 
 def failure(text: str) -> None:
-    """What went wrong, to stderr."""
+    """Print an error message to stderr."""
     _line(sys.stderr, text, "red")
 
 
 @contextlib.contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """A line on a terminal's stderr once the work has taken a second. Call what it gives with each step."""
+    """Show progress in a line on stderr, if it is a terminal and the work takes longer than `PATIENCE`.
+
+    Yields a function to call with a description of each step. The line is removed at the end.
+    """
     if not sys.stderr.isatty():
         yield lambda step: None
         return
@@ -187,6 +216,7 @@ def progress() -> Iterator[Callable[[str], None]]:
 
 
 def _line(stream: TextIO, text: str, style: str) -> None:
+    """Print a line, on a terminal in a style of Rich."""
     text = _clean(text)
     if not stream.isatty() or not style:
         stream.write(text + "\n")
@@ -198,15 +228,16 @@ def _line(stream: TextIO, text: str, style: str) -> None:
 
 
 def _clean(text: str) -> str:
-    """``text`` with everything but printable characters and line ends shown as escapes."""
-    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
+    """Return ``text`` with escapes in place of characters that are not printable, except line ends."""
+    shown = [c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text]
+    return "".join(shown)
 
 
 # ---- how a command ends
 
 
 class Stopped(BaseException):
-    """A signal asks the process to end: what is staged is removed, what was started is stopped."""
+    """A signal that asks the process to end. Handlers on the way remove temporary files and stop other programs."""
 
     def __init__(self, name: str, number: int) -> None:
         super().__init__(name)
@@ -214,7 +245,7 @@ class Stopped(BaseException):
 
 
 def install_signal_handlers() -> None:
-    """End by `Stopped` at signals that ask for an end, but for those that the caller ignores."""
+    """Raise `Stopped` at SIGINT, SIGTERM and SIGHUP, except those that the caller of the process ignores."""
     for name in _WORDS:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
@@ -222,17 +253,21 @@ def install_signal_handlers() -> None:
 
 
 def _stop(number: int, _: FrameType | None) -> None:
-    signal.signal(number, signal.SIG_DFL)  # a second one ends the process at once
+    """Handle a signal: raise `Stopped`."""
+    signal.signal(number, signal.SIG_DFL)  # a second signal ends the process at once
     raise Stopped(signal.Signals(number).name, number)
 
 
 def stopped(stop: Stopped, as_json: bool = False) -> int:
-    """The exit code after a signal, as shells have it."""
+    """Print which signal has ended the command; return its exit code, 128 plus the number of the signal."""
     return failed(_WORDS[stop.name], 128 + stop.number, as_json)
 
 
 def outcome(work: Callable[[], int], as_json: bool = False) -> int:
-    """The exit code of ``work``; an error is told in words, one of ours in one line, and ``as_json`` on stdout too."""
+    """Run a command and return its exit code.
+
+    An error is printed to stderr, a bug of wmrgen in one line; with ``as_json`` also as JSON to stdout.
+    """
     try:
         return work()
     except WmrgenError as error:
@@ -249,7 +284,17 @@ def outcome(work: Callable[[], int], as_json: bool = False) -> int:
 
 
 def failed(text: str, code: int, as_json: bool, errors: Sequence[WmrgenError] = ()) -> int:
-    """Tell a failure, ``as_json`` as the one object on stdout too; its exit code."""
+    """Print why a command fails.
+
+    Args:
+        text: the message for stderr.
+        code: the exit code.
+        as_json: print the failure as JSON to stdout too.
+        errors: the errors that ``text`` describes, for JSON.
+
+    Returns:
+        The exit code.
+    """
     failure(text)
     if as_json:
         data(_as_data(text, code, errors))
@@ -257,32 +302,32 @@ def failed(text: str, code: int, as_json: bool, errors: Sequence[WmrgenError] = 
 
 
 def place(mark: Mark | None) -> dict[str, Any]:
-    """``file``, ``line`` and ``column``, 1-based; null where there is no place."""
+    """Return ``file``, ``line`` and ``column`` of a place, counted from 1; None for each if there is no place."""
     return {key: getattr(mark, key, None) for key in ("file", "line", "column")}
 
 
 def all_as_data(errors: Sequence[WmrgenError]) -> dict[str, Any]:
-    """What a command that goes on after an error adds to its result: ``errors`` alone where there are none."""
+    """Return what a command that continues after errors adds to its JSON; without errors an empty list ``errors``."""
     text = "\n\n".join(map(str, errors))
     return _as_data(text, errors[0].exit_code, errors) if errors else {"errors": []}
 
 
 def _as_data(text: str, exit_code: int, errors: Sequence[WmrgenError]) -> dict[str, Any]:
-    """``error``: what stderr says. ``errors``: each with its place; one without where none is ours."""
+    """Return a failure for JSON: ``error`` is the text on stderr, ``errors`` has an entry for each error."""
     entries = [_entry(part, part.exit_code) for error in errors for part in error.parts]
     entries = entries or [_entry(WmrgenError(text), exit_code)]
     return {"error": text, "exit_code": exit_code, "errors": entries}
 
 
 def _entry(error: WmrgenError, exit_code: int) -> dict[str, Any]:
-    """One error: its code and place, what is wrong, why, what to write instead, and where the same is wrong again."""
+    """Return one error for JSON: place, code, texts, and other places with the same error."""
     words = {key: getattr(error, key) for key in ("code", "what", "why", "instead")}
     again = [place(mark) for mark in error.again]
     return {**place(error.mark), **words, "exit_code": exit_code, "again": again}
 
 
 def _bug(error: BaseException) -> str:
-    """One line about an error that is ours; the stack trace goes to a file."""
+    """Return one line about a bug of wmrgen, and write the stack trace to a file."""
     import traceback
 
     from wmrgen.derivation.artifacts import write_log

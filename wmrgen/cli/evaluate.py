@@ -1,4 +1,4 @@
-"""``wmrgen eval``: a calculator over the functions of a model, and the way backends are compared."""
+"""``wmrgen eval``: compute functions of a model, with any back end, so that back ends can be compared."""
 
 from __future__ import annotations
 
@@ -7,155 +7,221 @@ from dataclasses import replace
 from fractions import Fraction
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, Annotated, Protocol, cast
 
 import wmrgen
 from wmrgen.cli import console
-from wmrgen.cli.loading import noted, warn_of_gains
+from wmrgen.cli.declare import (
+    Json,
+    Math,
+    Robot,
+    Scalar,
+    Target,
+    Words,
+    argument,
+    option,
+    option_with_default,
+    verb,
+    words,
+)
+from wmrgen.cli.loading import print_notes, warn_of_gains
 from wmrgen.cli.textbook import installed
 from wmrgen.cli.values import Case, from_file, from_words, note_zeros
 from wmrgen.codegen.registry import EXACT_WORD, Entry, known_words, of_word
 from wmrgen.errors import UsageError
-from wmrgen.geometry.exact.evaluate import over_pi
 from wmrgen.geometry.exact.number import ZERO, Exact
-from wmrgen.geometry.layout.expressions import multiple_of_pi
 from wmrgen.geometry.ports import Limits, timeless
-from wmrgen.ir.kernels.choice import DEFAULT, Choice, choice
 from wmrgen.robotfile.text import suggestion
 
 if TYPE_CHECKING:
-    from wmrgen.geometry.layout.records import Robot
+    from wmrgen.geometry.layout.records import Robot as Loaded
+    from wmrgen.ir.kernels.choice import Choice
     from wmrgen.ir.nodes import Function, Module
 
 
-LONGEST = 24  # characters of an exact value printed beside its decimals: (sqrt(2) + sqrt(6))/4 is shorter
-_WHOSE = ("the robot's limits", "its range")
+LONGEST = (
+    24  # characters of an exact value that is printed after its decimals: (sqrt(2) + sqrt(6))/4 is shorter
+)
 
 
 class Modules(Protocol):
-    """Where functions are taken from: a derivation, or the textbook library."""
+    """A source of functions: a derivation, or the textbook library."""
 
     @property
     def raw_module(self) -> Module:
-        """As written: what the exact backend evaluates."""
+        """The functions as written, which the exact back end evaluates."""
 
     @property
     def module(self) -> Module:
-        """Optimised."""
+        """The functions after optimisation."""
 
     @property
     def c_module(self) -> Module:
-        """Cut for C."""
+        """The functions as C has them."""
 
 
+def _functions(incomplete: str) -> list[str]:
+    from wmrgen.functions.registry import names
+
+    return [name for name in names() if name.startswith(incomplete)]
+
+
+@verb("eval")
 def evaluate(
-    robot: Path,
-    function: str,
-    values: Sequence[str] | None,
-    backend: str,
-    scalar: str,
-    math: str | None,
-    target: str,
-    cases: str | None,
-    as_json: bool,
+    robot: Robot,
+    function: Annotated[
+        str,
+        argument(
+            "FUNCTION", "One that `wmrgen functions` lists: inverse, forward, motion, goto_pose.", _functions
+        ),
+    ],
+    values: Annotated[Words, words("Inputs in SI units: 0.5, 1/3, pi/2, '45 deg/s'.")] = None,
+    backend: Annotated[
+        str,
+        option_with_default(
+            "The back end: exact, c (needs a C compiler), or another; an unknown word lists all.", "WORD"
+        ),
+    ] = "exact",
+    scalar: Annotated[Scalar, option_with_default("Scalar type of back end c.")] = "float",
+    math: Math = None,
+    target: Target = "m4f",
+    cases: Annotated[
+        str | None,
+        option(
+            "Compute every case of a list of {name: value}; prints a list of results. - is stdin.",
+            "FILE.json",
+        ),
+    ] = None,
+    as_json: Json = False,
 ) -> int:
-    """Evaluate one case from the words ``values``, or every case of the file ``cases``."""
+    """Example:  wmrgen eval robots/pioneer3dx.yaml inverse vx=0.5 omega="30 deg/s"
+
+    Compute a function of a robot's model. Inputs that are not given are 0, parameters have their nominal values. With
+    the word textbook instead of a robot, compute a formula of the texts that needs no robot: `wmrgen eval textbook
+    pursuit distance=3`.
+    """
+    from wmrgen.ir.kernels.choice import choice
+
     chosen = choice(scalar, math, target)
     if cases is not None and values:
         raise UsageError("there are NAME=VALUE words and --cases. Give one of them, not both.")
-    _entry(backend)  # before anything is derived: UsageError for an unknown word
+    exactly_wanted = _entry(backend) is None  # before the derivation: an unknown word is reported at once
     with console.progress() as step:
         step(f"deriving {robot}")
         modules = _modules(robot, function)
         written = modules.raw_module.function(function)
         ports = written.inputs
-        robot_of: Robot | None = getattr(modules, "robot", None)  # the textbook library has none
-        inputs = (
-            [from_words(values or (), ports, robot_of)]
-            if cases is None
-            else from_file(cases, ports, robot_of)
-        )
+        loaded: Loaded | None = getattr(modules, "robot", None)  # the textbook library has no robot
+        if cases is None:
+            inputs: Sequence[Case] = [from_words(values or (), ports, loaded)]
+        else:
+            inputs = from_file(cases, ports, loaded)
         step(f"computing {function} with {backend}")
         _refuse_divisors(written, inputs)
-        whole = [{p.name: case.get(p.name, p.default or ZERO) for p in ports} for case in inputs]
-        exact = exactly(modules, written, whole) if _entry(backend) is None else None
-        results = [*map(_doubles, exact)] if exact else computed(modules, written, whole, backend, chosen)
+        complete = [{p.name: case.get(p.name, p.default or ZERO) for p in ports} for case in inputs]
+        exact: list[dict[str, Exact]] = []
+        if exactly_wanted:
+            exact = exactly(modules, written, complete)
+            results = [_doubles(result) for result in exact]
+        else:
+            results = computed(modules, written, complete, backend, chosen)
     units = {port.name: port.unit for port in (*ports, *written.outputs)}
     note_zeros([port for port in ports if port.default is None], inputs)
-    beyond = _beyond(modules, written, inputs)
-    tunable = {port.name for port in ports if port.range}
-    for name, (low, high) in beyond.items():
-        console.note(
-            f"{name} is beyond {_WHOSE[name in tunable]}, {float(low):g} to {float(high):g} {units[name]}"
-        )
+    tunable, limited = _outside(loaded, written, inputs)
+    for whose, ranges in (("its range", tunable), ("the robot's limits", limited)):
+        for name, (low, high) in ranges.items():
+            console.note(f"{name} is beyond {whose}, {low:g} to {high:g} {units[name]}")
     if cases is not None:
         console.data(results)
     elif as_json:
-        limits = {
-            name: [float(low), float(high)] for name, (low, high) in beyond.items() if name not in tunable
-        }
-        console.data({**results[0], **({"beyond_limits": limits} if limits else {})})
+        beyond = (
+            {"beyond_limits": {name: list(limits) for name, limits in limited.items()}} if limited else {}
+        )
+        console.data({**results[0], **beyond})
     else:
-        console.values(results[0], units, {name: _short(v) for name, v in exact[0].items()} if exact else {})
+        remarks = {name: _short(value) for name, value in exact[0].items()} if exact else {}
+        console.values(results[0], units, remarks)
     return 0
 
 
 def _short(value: Exact) -> str:
-    """What a number is exactly, in the grammar of inputs: sqrt(3)/2, pi/4, 40/13; "" where its decimals say as much or
-    it is long."""
-    half_turns, size = over_pi(value), max(value.den, *map(abs, value.num))
+    """Return an exact value as a user would write it: sqrt(3)/2, pi/4, 40/13.
+
+    Empty if the decimals are exact already, or if the text is too long to read.
+    """
+    from wmrgen.geometry.exact.evaluate import over_pi
+    from wmrgen.geometry.layout.expressions import multiple_of_pi
+
+    half_turns = over_pi(value)
+    largest = max(value.den, *map(abs, value.num))
     if half_turns:
         text = multiple_of_pi(half_turns)
-    elif size > 10**LONGEST or value == Fraction(repr(float(value))):
+    elif largest > 10**LONGEST or value == Fraction(repr(float(value))):
         return ""
     else:
         text = str(value)
     return text if len(text) <= LONGEST else ""
 
 
-def _beyond(modules: Modules, function: Function, cases: Sequence[Case]) -> dict[str, tuple[Exact, Exact]]:
-    """The inputs that a case has outside the limits of the robot file, and parameters outside their ranges, with these;
-    none of a function whose work is to keep limits."""
-    robot: Robot | None = getattr(modules, "robot", None)  # the textbook library has none
+Ranges = dict[str, tuple[float, float]]
+
+
+def _outside(robot: Loaded | None, function: Function, cases: Sequence[Case]) -> tuple[Ranges, Ranges]:
+    """Return the ranges that some case violates: of tunable parameters, and of inputs that the robot file limits.
+
+    Functions that limit their inputs themselves violate none.
+    """
+    tunable: Ranges = {}
+    limited: Ranges = {}
     if robot is None or function.limits is Limits.ASKED:
-        return {}
-    beyond = {}
+        return tunable, limited
     for port in function.inputs:
-        limit = port.range or robot.limit_of(timeless(port.name))
-        if limit and any(port.name in c and not limit[0] <= c[port.name] <= limit[1] for c in cases):
-            beyond[port.name] = (limit[0], limit[1])
-    return beyond
+        limits = port.range or robot.limit_of(timeless(port.name))
+        if not limits:
+            continue
+        low, high = limits[0], limits[1]
+        given = [case[port.name] for case in cases if port.name in case]
+        if any(not low <= value <= high for value in given):
+            (tunable if port.range else limited)[port.name] = (float(low), float(high))
+    return tunable, limited
 
 
 def _refuse_divisors(function: Function, cases: Sequence[Case]) -> None:
-    """UsageError for tunable parameters with which a divisor of the function is too small to divide by: one that the
-    code keeps from 0, and gives numbers that mean nothing."""
+    """Raise UsageError if given tunable parameters make a divisor of the function zero or almost zero.
+
+    The generated code limits such a divisor to a least size, and its results would mean nothing.
+    """
     from wmrgen.ir.geometry import geometry_only
     from wmrgen.ir.interpret import EXACT, evaluate_nodes
     from wmrgen.ir.nodes import Op, pruned
 
     names = [port.name for port in function.inputs if port.range]
-    early = geometry_only(function)
-    divisors = [
-        node.args for node, of in zip(function.nodes, early, strict=True) if of and node.op is Op.AT_LEAST
+    constant = geometry_only(function)
+    divisors = [  # (divisor, least size) of each division that depends on the geometry alone
+        node.args
+        for node, is_constant in zip(function.nodes, constant, strict=True)
+        if is_constant and node.op is Op.AT_LEAST
     ]
-    own = pruned(replace(function, results=tuple(k for args in divisors for k in args)))
-    tried = {tuple((name, case[name]) for name in names if name in case) for case in cases}
-    for given in sorted(tried, key=str) if divisors else ():
-        values = evaluate_nodes(own, dict(given), EXACT)
-        results = iter([values[k] for k in own.results])
-        if given and any(abs(divisor) < least for divisor, least in zip(results, results, strict=True)):
-            where = " and ".join(f"{name} = {float(value):.6g}" for name, value in given)
+    if not divisors:
+        return
+    only_divisors = pruned(replace(function, results=tuple(k for pair in divisors for k in pair)))
+    given = {tuple((name, case[name]) for name in names if name in case) for case in cases}
+    for parameters in sorted(given - {()}, key=str):
+        values = evaluate_nodes(only_divisors, dict(parameters), EXACT)
+        results = [values[k] for k in only_divisors.results]
+        pairs = zip(results[::2], results[1::2], strict=True)
+        if any(abs(divisor) < least for divisor, least in pairs):
+            where = " and ".join(f"{name} = {float(value):.6g}" for name, value in parameters)
             raise UsageError(f"with {where}: a divisor of {function.name} is 0. Write other values.")
 
 
 def _modules(path: Path, name: str) -> Modules:
-    """The function of a robot; of the library where ``path`` is the word textbook and no such file is there."""
+    """Return the function ``name`` of a robot file; of the textbook library if ``path`` is the word textbook."""
     if path == Path("textbook") and not path.is_file():
         return cast(Modules, installed().library(name))
     from wmrgen.functions.registry import has_function, names
 
-    robot = noted(wmrgen.load(path))
+    robot = print_notes(wmrgen.load(path))
     if name == "goto_pose":
         warn_of_gains(robot, asked=True)
     if not has_function(name):
@@ -169,9 +235,26 @@ def computed(
     function: Function,
     cases: Sequence[Mapping[str, Exact]],
     backend: str,
-    choice: Choice = DEFAULT,
+    choice: Choice | None = None,
 ) -> list[dict[str, float]]:
-    """Outputs of ``function`` for each case, as the backend that the command line calls ``backend`` computes them."""
+    """Compute a function with a back end.
+
+    Args:
+        modules: where the back end finds the function in the form that it needs.
+        function: the function as written.
+        cases: for each case the value of every input, in SI units.
+        backend: the word for the back end on the command line; exact is exact arithmetic.
+        choice: scalar type, sines and processor of the C.
+
+    Returns:
+        For each case the outputs by name, in SI units.
+
+    Raises:
+        UsageError: if there is no such back end, or if a case has no value.
+    """
+    from wmrgen.ir.kernels.choice import DEFAULT
+
+    choice = choice or DEFAULT
     entry = _entry(backend)
     if entry is None:
         return [_doubles(result) for result in exactly(modules, function, cases)]
@@ -185,31 +268,40 @@ def computed(
 def exactly(
     modules: Modules, function: Function, cases: Sequence[Mapping[str, Exact]]
 ) -> list[dict[str, Exact]]:
-    """Outputs of ``function`` for each case, in exact arithmetic. UsageError where a case has no value."""
+    """Compute a function in exact arithmetic.
+
+    Args:
+        modules: where the function and the functions that it calls are.
+        function: the function as written.
+        cases: for each case the value of every input, in SI units.
+
+    Returns:
+        For each case the outputs by name, in SI units.
+
+    Raises:
+        UsageError: if a case has no value, because of a division by zero or a root of a negative number.
+    """
     from wmrgen.ir.interpret import EXACT, evaluate_module
 
     module = modules.raw_module
     try:
         return [evaluate_module(module, function.name, case, EXACT) for case in cases]
-    except (
-        ZeroDivisionError,
-        ValueError,
-    ) as error:  # of the interpreter: a quotient or a root without a value
+    except (ZeroDivisionError, ValueError) as error:
         raise UsageError(f"{error}: there is no value at these inputs") from error
 
 
 def _note_overflow(results: Sequence[Mapping[str, float]], entry: Entry, choice: Choice) -> None:
-    """Say which outputs are no finite numbers: JSON has null for them."""
+    """Print which outputs are infinite or NaN: they are null in JSON."""
     names = dict.fromkeys(name for result in results for name in result if not isfinite(result[name]))
     if names:
         why = ""
         if "scalar" in entry.options and choice.scalar == "float":
-            why = " (the numbers of float end at 3.4e38; --scalar double goes further)"
+            why = " (float ends at 3.4e38; --scalar double goes further)"
         console.note(f"not finite, null in JSON: {' '.join(names)}{why}")
 
 
 def _entry(word: str) -> Entry | None:
-    """The backend that the command line calls ``word``; None is exact arithmetic. UsageError where there is none."""
+    """Return the back end of a word of the command line, None for exact arithmetic. Raise UsageError for others."""
     entry = of_word(word)
     if entry is None and word != EXACT_WORD:
         raise UsageError(f"there is no backend {word!r}. There are: {' '.join(known_words())}.")
@@ -217,7 +309,7 @@ def _entry(word: str) -> Entry | None:
 
 
 def _doubles(values: Mapping[str, Exact]) -> dict[str, float]:
-    """Each value rounded to the nearest double."""
+    """Round each value to the nearest double."""
     try:
         return {name: float(value) for name, value in values.items()}
     except OverflowError as error:

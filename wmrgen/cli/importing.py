@@ -5,48 +5,51 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from wmrgen.cli import console
-from wmrgen.cli.new import write_robot_file
+from wmrgen.cli.declare import Base, Json, Package, Words, argument, option, output, verb
 from wmrgen.errors import RobotFileError
-from wmrgen.robotfile.schema import MODELINE
-from wmrgen.robotfile.text import printable
-from wmrgen.tools.comparing.compare import compare
-from wmrgen.tools.comparing.sources import of_controller, of_import
-from wmrgen.tools.importing.controllers import read_controllers
-from wmrgen.tools.importing.instructions import instructed
-from wmrgen.tools.importing.records import Controller, Description, Imported
-from wmrgen.tools.importing.robot_file import as_json as imported_json
-from wmrgen.tools.importing.robot_file import counted, text
-from wmrgen.tools.importing.source import description_of, pairs
-from wmrgen.tools.importing.wheels import import_wheels
+
+if TYPE_CHECKING:
+    from wmrgen.tools.importing.records import Controller, Description, Imported
+
+    Parameters = Mapping[Path, Sequence[Controller]]  # by the file that has them
 
 
+@verb("import")
 def import_robot(
-    file: Path,
-    arguments: Sequence[str] | None,
-    out: Path | None,
-    base: str | None,
-    forward: str | None,
-    package: Sequence[str] | None,
-    controller: Sequence[Path] | None,
-    as_json: bool,
+    file: Annotated[Path, argument("FILE", "A robot description: URDF, xacro or SDF.")],
+    arguments: Annotated[Words, argument("[NAME:=VALUE]...", "Arguments of a xacro file.")] = None,
+    out: Annotated[
+        Path | None, output("ROBOT.yaml", "Write the robot file; without it the text is printed.")
+    ] = None,
+    base: Base = None,
+    forward: Annotated[
+        Literal["x", "y", "-x", "-y"] | None,
+        option("The direction that is forward, in the frame of the robot's link."),
+    ] = None,
+    package: Package = None,
+    controller: Annotated[
+        list[Path] | None, option("Read parameters of the wheels' controller too: YAML.", "FILE.yaml")
+    ] = None,
+    as_json: Json = False,
 ) -> int:
-    """Write or print the robot file; say what is open."""
+    """Example:  wmrgen import my_robot.urdf -o my_robot.yaml
+
+    Make a robot file from a robot description. Wheels are recognised by their geometry. Values that the description
+    does not have become TODO with a question; `wmrgen derive` rejects the file until they are filled in.
+    """
+    from wmrgen.cli.new import write_robot_file
+    from wmrgen.robotfile.schema import MODELINE
+    from wmrgen.tools.importing.controllers import read_controllers
+    from wmrgen.tools.importing.robot_file import as_json as imported_json
+    from wmrgen.tools.importing.robot_file import counted, text
+    from wmrgen.tools.importing.source import pairs
+
     values = pairs(arguments or ())
-    said = {path: read_controllers(path, values) for path in controller or ()}
-    try:
-        description = description_of(file, arguments or (), package or ())
-        description = instructed(description, [c for each in said.values() for c in each])
-        robot = import_wheels(description, base, forward)
-    except RobotFileError as error:
-        name = printable(file.name)
-        if name in error.what:
-            raise
-        raise RobotFileError(
-            f"{name}: {error.what}", error.mark, error.why, error.instead, error.code
-        ) from None
-    robot = replace(robot, notes=(*robot.notes, *_contradictions(robot, description, said, file)))
+    parameters = {path: read_controllers(path, values) for path in controller or ()}
+    robot = _imported(file, arguments or (), base, forward, package or (), parameters)
     for note in robot.notes:
         console.note(f"note: {file.name}: {note.removeprefix(f'{file.name}: ')}")
     written = f"{MODELINE}\n{text(robot, file.name)}"
@@ -63,13 +66,44 @@ def import_robot(
     return 0
 
 
+def _imported(
+    file: Path,
+    arguments: Sequence[str],
+    base: str | None,
+    forward: str | None,
+    package: Sequence[str],
+    parameters: Parameters,
+) -> Imported:
+    """Return the robot of a description and of ``parameters`` of controllers. Errors name the file."""
+    from wmrgen.robotfile.text import printable
+    from wmrgen.tools.importing.instructions import instructed
+    from wmrgen.tools.importing.source import description_of
+    from wmrgen.tools.importing.wheels import import_wheels
+
+    controllers = [controller for each in parameters.values() for controller in each]
+    try:
+        description = instructed(description_of(file, arguments, package), controllers)
+        robot = import_wheels(description, base, forward)
+    except RobotFileError as error:
+        name = printable(file.name)
+        if name in error.what:
+            raise
+        raise RobotFileError(
+            f"{name}: {error.what}", error.mark, error.why, error.instead, error.code
+        ) from None
+    return replace(robot, notes=(*robot.notes, *_contradictions(robot, description, parameters, file)))
+
+
 def _contradictions(
-    robot: Imported, description: Description, said: Mapping[Path, Sequence[Controller]], file: Path
+    robot: Imported, description: Description, parameters: Parameters, file: Path
 ) -> Iterator[str]:
-    """Where controllers have other lengths than the description, which stand in the robot file."""
-    sources = {id(c): path.name for path, controllers in said.items() for c in controllers}
-    seen = of_import(robot, description.joints, file.name)
-    for each in description.controllers:
-        told = of_controller(each, sources.get(id(each), file.name))
-        for difference in compare(seen, told).differences:
-            yield f"{told.source} differs; the description is taken: {difference.words}"
+    """Yield where a controller has other lengths than the description, from which the robot file takes them."""
+    from wmrgen.tools.comparing.compare import compare
+    from wmrgen.tools.comparing.sources import of_controller, of_import
+
+    sources = {id(c): path.name for path, controllers in parameters.items() for c in controllers}
+    imported = of_import(robot, description.joints, file.name)
+    for controller in description.controllers:
+        layout = of_controller(controller, sources.get(id(controller), file.name))
+        for difference in compare(imported, layout).differences:
+            yield f"{layout.source} differs; the description is used: {difference.words}"

@@ -1,121 +1,125 @@
-"""``wmrgen lint`` and ``wmrgen explain``: what is likely wrong with a robot, and why it is."""
+"""``wmrgen lint``: likely mistakes in robot files and in other descriptions of robots."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import wmrgen
 from wmrgen.cli import console
+from wmrgen.cli.declare import Base, Json, Package, argument, robot_files, verb
 from wmrgen.cli.loading import linted, paths_and_arguments
 from wmrgen.errors import StaleError, UsageError, WmrgenError
-from wmrgen.tools.comparing.compare import compare, labelled
-from wmrgen.tools.comparing.compare import findings as between
-from wmrgen.tools.comparing.record import DESCRIPTION, ROBOT_FILE
-from wmrgen.tools.comparing.sources import layouts
 
 if TYPE_CHECKING:
-    from wmrgen.robotfile.mistakes import Mistake
     from wmrgen.tools.comparing.record import Layout
-    from wmrgen.tools.lint import Finding, Rule
-
-_NAMES_ALONE = (
-    "of its wheels, names are held against places, nothing else; `wmrgen import` makes the robot file in which `lint` "
-    "looks at all"
-)
+    from wmrgen.tools.lint import Finding
 
 
-def lint(robots: Sequence[str], base: str | None, package: Sequence[str] | None, as_json: bool) -> int:
-    """Print the findings of all robots, and what parameters and headers, or a description after a robot file, say
-    otherwise of the robot before them; beside them what was not looked at. Exit code 1 where there are some, an
-    error's where a file is bad."""
+@verb("lint")
+def lint(
+    robots: Annotated[
+        list[str],
+        argument("ROBOT.yaml...", "Robot files, URDF, xacro, SDF; NAME:=VALUE for xacro.", robot_files),
+    ],
+    base: Base = None,
+    package: Package = None,
+    as_json: Json = False,
+) -> int:
+    """Example:  wmrgen lint robots/pioneer3dx.yaml
+
+    Report likely mistakes in robots that can be derived, each finding with a code. Exit code 1 if there are findings.
+    To keep a line as it is, add the comment # wmrgen: ignore CODE to it.
+    """
+    from wmrgen.tools.comparing.sources import layouts
+
+    paths, arguments = paths_and_arguments(robots)
     findings: list[Finding] = []
     errors: list[WmrgenError] = []
-    unseen: list[str] = []
-    robot: Layout | None = None
-    paths, arguments = paths_and_arguments(robots)
+    not_compared: list[str] = []
+    robot: Layout | None = None  # the robot that parameters and headers after it are compared with
     for path in paths:
         try:
             for layout in layouts(path, arguments, package or (), base):
-                if layout.form == ROBOT_FILE:
-                    spec, built = wmrgen.read(path)
-                    findings += linted(spec, wmrgen.derive(built))
+                if _is_robot(layout, robot):
+                    found, skipped = _findings_of(layout, path)
                     robot = layout
-                elif layout.form == DESCRIPTION and (robot is None or robot.form == DESCRIPTION):
-                    findings += labelled(layout)
-                    unseen.append(f"{layout.source}: {_NAMES_ALONE}")
-                    robot = layout
-                elif robot is None and errors:
-                    continue  # what it belongs to cannot be read
-                elif robot is None:
+                elif robot is not None:
+                    found, skipped = _differences(robot, layout)
+                elif errors:
+                    continue  # the robot before it is probably the one that cannot be read
+                else:
                     raise UsageError(
                         f"{layout.source} has no robot before it: give a robot file or description first"
                     )
-                else:
-                    compared = compare(robot, layout)
-                    findings += between(compared)
-                    unseen += [f"not compared: {words}" for words in compared.unsaid]
+                findings += found
+                not_compared += skipped
         except WmrgenError as error:
             errors += error.parts
     if as_json:
-        told = {"findings": [_as_data(f) for f in findings], "not_compared": unseen}
-        console.data({**told, **console.all_as_data(errors)})
+        found_data = {"findings": [_as_data(f) for f in findings], "not_compared": not_compared}
+        console.data({**found_data, **console.all_as_data(errors)})
     else:
-        for finding in findings:
-            console.result(str(finding))
-        for failure in errors:
-            console.failure(str(failure))
-        for words in unseen:
-            console.note(f"note: {words}")
-        if findings:
-            console.note(
-                "Mend them, or write # wmrgen: ignore CODE on the line. `wmrgen explain CODE` says more."
-            )
-        elif not errors:
-            seen = " in what was compared" if unseen else ""
-            noun = "file" if unseen else "robot"
-            console.result(f"{len(paths)} {noun}{'s' * (len(paths) != 1)}: no findings{seen}")
-    return errors[0].exit_code if errors else (StaleError.exit_code if findings else 0)
+        _show(findings, errors, not_compared, len(paths))
+    if errors:
+        return errors[0].exit_code
+    return StaleError.exit_code if findings else 0
 
 
-def explained() -> dict[str, Rule | Mistake]:
-    """What `explain` knows by its code: rules, and the mistakes for which a robot file is refused."""
-    from wmrgen.robotfile.mistakes import CALLS, MISTAKES
-    from wmrgen.tools.comparing.rules import BETWEEN
-    from wmrgen.tools.lint import RULES
+def _is_robot(layout: Layout, robot: Layout | None) -> bool:
+    """Return whether a file is checked by itself, rather than compared with the ``robot`` before it.
 
-    return {**RULES, **BETWEEN, **MISTAKES, **CALLS}
+    Robot files are; descriptions are, except after a robot file. Parameters of controllers and headers never are.
+    """
+    from wmrgen.tools.comparing.record import DESCRIPTION, ROBOT_FILE
 
-
-def explain(code: str | None, as_json: bool) -> int:
-    """Print a rule with its examples; without a code, all of them in a line each."""
-    from wmrgen.tools.lint import rule_called
-
-    codes = explained()
-    rules = [rule_called(code, codes)] if code else list(codes.values())
-    if as_json:
-        keys = ("code", "title", "text", "wrong", "right")
-        data = [{key: getattr(rule, key) for key in keys} for rule in rules]
-        console.data(data[0] if code else {"rules": data})
-    elif code:
-        console.result("\n".join(_lines(rules[0])))
-    else:
-        for rule in rules:
-            console.result(f"{rule.code}  {rule.title}")
-    return 0
+    if layout.form == ROBOT_FILE:
+        return True
+    return layout.form == DESCRIPTION and (robot is None or robot.form == DESCRIPTION)
 
 
-def _lines(rule: Rule | Mistake) -> Iterable[str]:
-    from textwrap import fill, indent
+def _findings_of(layout: Layout, path: Path) -> tuple[list[Finding], list[str]]:
+    """Return the findings in a robot file or description, and what was not checked, in words."""
+    from wmrgen.tools.comparing.compare import labelled
+    from wmrgen.tools.comparing.record import ROBOT_FILE
 
-    from wmrgen.tools.lint import Rule
+    if layout.form == ROBOT_FILE:
+        spec, built = wmrgen.read(path)
+        return linted(spec, wmrgen.derive(built)), []
+    unchecked = (
+        f"{layout.source}: only the names of its wheels are checked against their positions; `wmrgen import` makes a "
+        "robot file, in which `lint` checks everything"
+    )
+    return list(labelled(layout)), [unchecked]
 
-    yield f"{rule.code}: {rule.title}"
-    yield fill(rule.text, 100)
-    for word, example in (("wrong", rule.wrong), ("right", rule.right)):
-        yield f"\n{word}:\n{indent(example.rstrip(), '    ')}"
-    if isinstance(rule, Rule):
-        yield f"\nTo keep a line as it is, write beside it: # wmrgen: ignore {rule.code}"
+
+def _differences(robot: Layout, layout: Layout) -> tuple[list[Finding], list[str]]:
+    """Return the differences between a robot and a file about it, and what was not compared, in words."""
+    from wmrgen.tools.comparing.compare import compare, findings
+
+    comparison = compare(robot, layout)
+    return list(findings(comparison)), [f"not compared: {words}" for words in comparison.unsaid]
+
+
+def _show(
+    findings: Sequence[Finding], errors: Sequence[WmrgenError], not_compared: Sequence[str], files: int
+) -> None:
+    """Print findings to stdout, errors and what was not compared to stderr."""
+    for finding in findings:
+        console.result(str(finding))
+    for error in errors:
+        console.failure(str(error))
+    for words in not_compared:
+        console.note(f"note: {words}")
+    if findings:
+        console.note(
+            "Correct the lines, or add # wmrgen: ignore CODE to a line. `wmrgen explain CODE` says more."
+        )
+    elif not errors:
+        noun = "file" if not_compared else "robot"
+        where = " in what was compared" if not_compared else ""
+        console.result(f"{files} {noun}{'s' * (files != 1)}: no findings{where}")
 
 
 def _as_data(finding: Finding) -> dict[str, Any]:

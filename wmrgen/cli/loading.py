@@ -1,4 +1,4 @@
-"""What every verb begins with: the robot file read, its notes told, the model derived while progress is shown."""
+"""What most verbs start with: read the robot file, print its notes, and derive the model while progress is shown."""
 
 from __future__ import annotations
 
@@ -19,20 +19,28 @@ if TYPE_CHECKING:
 
 
 def paths_and_arguments(words: Sequence[str]) -> tuple[list[Path], list[str]]:
-    """The files among ``words``, and what is NAME:=VALUE, for xacro."""
-    return [Path(word) for word in words if ":=" not in word], [word for word in words if ":=" in word]
+    """Split ``words`` into paths of files and NAME:=VALUE arguments of xacro files."""
+    paths = [Path(word) for word in words if ":=" not in word]
+    arguments = [word for word in words if ":=" in word]
+    return paths, arguments
 
 
-def noted(robot: Robot, but: Container[str] = ()) -> Robot:
-    """The robot, its notes told, ``but`` those that are told elsewhere."""
+def print_notes(robot: Robot, but: Container[str] = ()) -> Robot:
+    """Print the notes of a robot except those in ``but``, which the caller prints; return the robot."""
     for text in map(plain, robot.notes):
         if text not in but:
             console.note(f"note: {robot.name}: {text}")
     return robot
 
 
+noted = print_notes  # the name that cli/generate.py uses
+
+
 def warn_of_gains(robot: Robot, asked: bool) -> None:
-    """Say which gains of a robot's file do not stabilise, or not from everywhere. ``asked``: for goto_pose."""
+    """Warn if the gains in a robot file do not stabilise the robot, or not from every pose.
+
+    ``asked``: the user requests `goto_pose`, which itself rejects gains that do not stabilise the robot.
+    """
     if robot.gains:
         from wmrgen.functions.control.gains import warnings
 
@@ -42,14 +50,17 @@ def warn_of_gains(robot: Robot, asked: bool) -> None:
 
 @contextmanager
 def derived(path: Path, functions: Sequence[str] | None = None) -> Iterator[Derivation]:
-    """The model of a robot file with some functions; what is computed inside the context counts as progress."""
+    """Derive the model of a robot file with the given functions, or with those that the file requests.
+
+    Progress is shown until the end of the context, because a derivation computes its parts when they are first used.
+    """
     with console.progress() as step:
         step(f"deriving {path}")
-        yield wmrgen.derive(noted(wmrgen.load(path)), functions)
+        yield wmrgen.derive(print_notes(wmrgen.load(path)), functions)
 
 
 def linted(spec: RobotSpec, derivation: Derivation) -> list[Finding]:
-    """What is likely wrong with a robot, but for what its file says is to be ignored."""
+    """Return the likely mistakes in a robot, without those that its file ignores."""
     from wmrgen.tools.lint import Subject, findings
 
     return findings(Subject(spec, derivation.robot, derivation.mobility))

@@ -1,4 +1,4 @@
-"""Input values of commands: NAME=VALUE words or a JSON file, in the number grammar of robot files."""
+"""Input values of verbs: NAME=VALUE words or a JSON file, with numbers and units as robot files have them."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from typing import TYPE_CHECKING
 from wmrgen.cli import console
 from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError, UsageError
 from wmrgen.geometry.exact.number import Exact
-from wmrgen.geometry.layout.expressions import evaluate
 from wmrgen.geometry.ports import Port
 from wmrgen.robotfile.numbers import Kind
-from wmrgen.robotfile.quantities import Scope, read_quantity
+from wmrgen.robotfile.quantities import Scope
 from wmrgen.robotfile.text import Scalar, bytes_of, quoted, read_stream, suggestion
 
 if TYPE_CHECKING:
     from wmrgen.geometry.layout.records import Robot
 
-MAX_BYTES = 16 << 20  # of a file of cases: some 100,000 of them
+MAX_BYTES = 16 << 20  # bytes of a file of cases: about 100,000 cases
 _KINDS = {"m": Kind.LENGTH, "rad": Kind.ANGLE, "m/s": Kind.SPEED, "rad/s": Kind.RATE}
 Case = Mapping[str, Exact]
-_PLAIN = re.compile(r"[+-]?(\d{1,40}(\.\d{0,40})?|\.\d{1,40})([eE][+-]?\d{1,3})?")
-_LARGEST = Fraction(2) ** 1024
+_PLAIN = re.compile(r"[+-]?(\d{1,40}(\.\d{0,40})?|\.\d{1,40})([eE][+-]?\d{1,3})?")  # a decimal number
+_LARGEST = Fraction(2) ** 1024  # doubles are smaller
+_DUST = Exact(Fraction(1, 10**40))  # exact results use 60 digits of pi: below this they are zero
 _MINUS_ZERO = re.compile(r"\s*-\s*(0+\.?0*|\.0+)([eE][+-]?\d+)?\s*[a-z/]*\s*")
 
 
 class _MinusZero(Exact):
-    """Zero, which floats take in as -0.0: generated C reads the sign."""
+    """Zero that is -0.0 as a float: generated C reads the sign."""
 
     __slots__ = ()
 
@@ -39,8 +39,19 @@ class _MinusZero(Exact):
 
 
 def from_words(words: Iterable[str], ports: Sequence[Port], robot: Robot | None = None) -> Case:
-    """``vx=0.5 omega='30 deg'`` as exact SI values. UsageError for a name that is not among ``ports``, and for tunable
-    parameters for which the ``robot`` has no geometry."""
+    """Read words like ``vx=0.5 omega='30 deg'``.
+
+    Args:
+        words: the words.
+        ports: the inputs that the words may name.
+        robot: the robot whose tunable parameters may be among the inputs.
+
+    Returns:
+        The exact value of each given input, in SI units.
+
+    Raises:
+        UsageError: for an unknown input or a wrong value, and if ``robot`` cannot be built with its parameters.
+    """
     case: dict[str, Exact] = {}
     for word in words:
         name, equals, text = word.partition("=")
@@ -55,40 +66,65 @@ def from_words(words: Iterable[str], ports: Sequence[Port], robot: Robot | None 
     return case
 
 
-def spelled(words: Iterable[str], robot: Robot, joint: str, ports: Sequence[Port] = ()) -> list[str]:
-    """``left=4`` is ``left.spin=4``: a bare wheel name stands for its ``joint``, or for the only one in ``ports``."""
+def with_joints(words: Iterable[str], robot: Robot, joint: str, ports: Sequence[Port] = ()) -> list[str]:
+    """Complete the names of wheels: ``left=4`` becomes ``left.spin=4``.
+
+    Args:
+        words: NAME=VALUE words.
+        robot: the robot whose wheels may be named.
+        joint: the joint of a wheel that a bare name means, spin or steer.
+        ports: inputs of a function; if it has one input for a wheel, the bare name means this input instead.
+
+    Returns:
+        The words, those that name a wheel with a joint.
+    """
     wheels = {w.name for w in robot.wheels}
     result = []
     for word in words:
         name, equals, value = word.partition("=")
         name = name.strip()
-        own = [p.name for p in ports if p.name.startswith(f"{name}.")]
-        full = own[0] if len(own) == 1 else f"{name}.{joint}"
-        result.append(f"{full}={value}" if equals and name in wheels else word)
+        if not equals or name not in wheels:
+            result.append(word)
+            continue
+        inputs = [p.name for p in ports if p.name.startswith(f"{name}.")]
+        full = inputs[0] if len(inputs) == 1 else f"{name}.{joint}"
+        result.append(f"{full}={value}")
     return result
 
 
 def note_zeros(ports: Iterable[Port], cases: Sequence[Case]) -> None:
-    """Say which of ``ports`` some case leaves out: they are taken as 0."""
+    """Print which of ``ports`` are missing in a case: they are taken as 0."""
     names = [port.name for port in ports if any(port.name not in case for case in cases)]
     if names:
         console.note(f"not given, taken as 0: {' '.join(names)}")
 
 
 def from_file(file: str, ports: Sequence[Port], robot: Robot | None = None) -> list[Case]:
-    """The list of {name: value} in a JSON file (``-``: stdin). Values are numbers or strings like "pi/2". ``robot``: as
-    of `from_words`."""
+    """Read a JSON file with a list of {name: value}; values are numbers or strings like "pi/2".
+
+    Args:
+        file: the path, ``-`` for standard input.
+        ports: the inputs that a case may have.
+        robot: the robot whose tunable parameters may be among the inputs.
+
+    Returns:
+        For each case the exact values of its inputs, in SI units.
+
+    Raises:
+        UsageError: if the file is no such list, and as `from_words` does.
+        RobotFileError: if the file cannot be read.
+    """
     name = "standard input" if file == "-" else file
     data = _content(file, name)
     try:
-        # Numbers stay text until our own grammar has read them: exact, and NaN is no number.
+        # Numbers remain text here and are read as those of robot files: exactly, and without NaN.
         cases = json.loads(data, parse_float=str, parse_int=str, parse_constant=str, object_pairs_hook=_once)
     except (ValueError, RecursionError) as error:
         raise UsageError(
             f'{name} is not JSON: {error}. Write a list of objects: [{{"vx": 0.5}}, …]'
         ) from error
     if not isinstance(cases, list) or not all(isinstance(case, dict) for case in cases):
-        raise UsageError(f'{name} must hold a list of objects: [{{"vx": 0.5}}, …]')
+        raise UsageError(f'{name} must be a list of objects: [{{"vx": 0.5}}, …]')
     read = [_case(case, f"{name}, case {k}: ", ports) for k, case in enumerate(cases)]
     if robot is not None:
         _refuse(robot, read, name)
@@ -96,21 +132,22 @@ def from_file(file: str, ports: Sequence[Port], robot: Robot | None = None) -> l
 
 
 def _refuse(robot: Robot, cases: Sequence[Case], file: str) -> None:
-    """UsageError for the first case whose tunable parameters give no geometry."""
+    """Raise UsageError for the first case with whose tunable parameters the robot cannot be built."""
     names = [p.name for p in robot.tunable]
-    seen = set[tuple[Exact | None, ...]]()
+    tried = set[tuple[Exact | None, ...]]()
     for k, case in enumerate(cases):
-        of = tuple(case.get(name) for name in names)
-        if of not in seen:
-            seen.add(of)
-            try:
-                robot.refuse(case)
-            except UsageError as error:
-                raise UsageError(f"{file}, case {k}: {error.what}") from None
+        parameters = tuple(case.get(name) for name in names)
+        if parameters in tried:
+            continue
+        tried.add(parameters)
+        try:
+            robot.refuse(case)
+        except UsageError as error:
+            raise UsageError(f"{file}, case {k}: {error.what}") from None
 
 
 def _content(file: str, name: str) -> bytes:
-    """The bytes of a file of cases, ``-`` for stdin; ``name`` in messages."""
+    """Return the bytes of a file of cases, ``-`` for standard input. Messages call it ``name``."""
     if file != "-":
         data = bytes_of(file, MAX_BYTES + 1)
     elif sys.stdin is None:
@@ -122,13 +159,13 @@ def _content(file: str, name: str) -> bytes:
             raise EnvironmentFailure(f"cannot read {name}: {error.strerror}") from error
     if len(data) > MAX_BYTES:
         raise UsageError(
-            f"{name} is larger than {MAX_BYTES >> 20} MiB. Split it: each case is computed by itself."
+            f"{name} is larger than {MAX_BYTES >> 20} MiB. Split it: cases do not depend on each other."
         )
     return data
 
 
 def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    """An object of JSON whose names differ."""
+    """Return the object of JSON with these members. Raise UsageError if two have the same name."""
     members: dict[str, object] = {}
     for name, value in pairs:
         if name in members:
@@ -138,6 +175,7 @@ def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:
 
 
 def _case(case: Mapping[str, object], place: str, ports: Sequence[Port]) -> Case:
+    """Return the values of one case of a file; ``place`` starts messages."""
     result = {}
     for name, value in case.items():
         port = _port(name, ports, place)
@@ -152,6 +190,7 @@ def _names(ports: Sequence[Port]) -> str:
 
 
 def _port(name: str, ports: Sequence[Port], place: str) -> Port:
+    """Return the input called ``name``. Raise UsageError with a suggestion if there is none."""
     for port in ports:
         if port.name == name:
             return port
@@ -163,16 +202,22 @@ def _port(name: str, ports: Sequence[Port], place: str) -> Port:
 
 
 def _number(text: str, port: Port, place: str) -> Exact:
-    """The exact SI value of ``text``, which may have a unit that fits the port. A zero keeps its sign."""
+    """Return the exact SI value of ``text``, which may have a unit that fits the port. A zero keeps its sign."""
     value = _unsigned_zero(text, port, place)
     return value if value or not _MINUS_ZERO.fullmatch(text) else _MinusZero(0)
 
 
 def _unsigned_zero(text: str, port: Port, place: str) -> Exact:
+    """Return the exact SI value of ``text``; -0 as 0."""
+    from wmrgen.geometry.layout.expressions import evaluate
+    from wmrgen.robotfile.quantities import read_quantity
+
     what = f"{place}{port.name}"
     text = _without_unit(text, port, what)
-    if _PLAIN.fullmatch(text) and abs(value := Fraction(text)) < _LARGEST:
-        return Exact(value)  # what another program prints: 1e-40 m/s is a speed, if not one of a robot file
+    if _PLAIN.fullmatch(text):
+        value = Fraction(text)
+        if abs(value) < _LARGEST:
+            return Exact(value)  # also sizes that robot files reject: another program may print 1e-40 m/s
     scalar = Scalar(Mark("", 1, 1, ""), text, True)
     try:
         return evaluate(read_quantity(scalar, _KINDS.get(port.unit, Kind.ANY), port.name, Scope()), {})
@@ -182,7 +227,10 @@ def _unsigned_zero(text: str, port: Port, place: str) -> Exact:
 
 
 def _without_unit(text: str, port: Port, what: str) -> str:
-    """``2.3 s`` as ``2.3`` where the port's unit is one that robot files have no use for; UsageError for another."""
+    """Remove the unit of the port from ``text`` if robot files do not know it: ``2.3 s`` becomes ``2.3``.
+
+    Raise UsageError for another unit.
+    """
     unit = port.unit
     if not unit or unit in _KINDS:
         return text
@@ -190,6 +238,12 @@ def _without_unit(text: str, port: Port, what: str) -> str:
     match = re.fullmatch(rf"(.*[\d.)]){space}{re.escape(unit)}\s*", text)
     if match:
         return match[1]
-    if re.search(r"[\d.)]\s*[a-zµ°\"]", re.sub(r"[\d.][eE][+-]?\d", "", text)):
+    without_exponents = re.sub(r"[\d.][eE][+-]?\d", "", text)
+    if re.search(r"[\d.)]\s*[a-zµ°\"]", without_exponents):
         raise UsageError(f"{what} = {text[:60]!r}: {port.name} is in {unit}. Write the number alone.")
     return text
+
+
+def rounded(values: Mapping[str, Exact]) -> dict[str, float]:
+    """Round results to the nearest doubles; what 60 digits of pi leave of a zero is 0."""
+    return {name: float(value) if abs(value) > _DUST else 0.0 for name, value in values.items()}

@@ -15,6 +15,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from random import Random
+from typing import get_args
 from xml.etree.ElementTree import Element
 
 import pytest
@@ -23,7 +24,7 @@ import yaml
 import wmrgen
 from tests.conftest import ROOT, Outcome, tree
 from tests.tools.exporting.common import drives, gallery, load, root
-from wmrgen.cli.exporting import _KINDS
+from wmrgen.cli.export import Kind
 from wmrgen.tools.exporting.ros2_control import ros2_control
 from wmrgen.tools.exporting.sdf import sdf
 from wmrgen.tools.exporting.urdf import urdf
@@ -221,7 +222,7 @@ def test_what_does_not_fit_is_refused_and_nothing_written(wmrgen_cli: Cli, tmp_p
     done = wmrgen_cli("export", ROOT / "robots/pr2.yaml", "--to", "wpilib", "-o", tmp_path / "out")
     assert done.code == 3 and "no kinematics of WPILib fits" in done.err and not (tmp_path / "out").exists()
     assert wmrgen_cli("export", ROOT / "robots/pr2.yaml", "--to", "mjcf").code == 2
-    assert set(_KINDS) == {"urdf", "sdf", "ros2_control", "wpilib"}
+    assert set(get_args(Kind)) == {"urdf", "sdf", "ros2_control", "wpilib"}
 
 
 # ---- compilers

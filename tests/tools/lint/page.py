@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tests.conftest import ROOT
-from wmrgen.cli.lint import explained
+from wmrgen.cli.explain import explained
 from wmrgen.robotfile.mistakes import Mistake
 from wmrgen.tools.lint import Rule
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -11,14 +11,12 @@ from wmrgen.cli.declare import (
     Json,
     Math,
     Out,
-    Robot,
     Robots,
     Scalar,
     Target,
     argument,
     group,
     option,
-    output,
     robot_files,
 )
 
@@ -67,23 +65,6 @@ def derive(
     """
 
 
-@verb("view", "Show robots in the browser, again whenever a file is saved.")
-def view(
-    robots: Robots,
-    no_open: Annotated[bool, typer.Option("--no-open", help="Write the page, open no browser.")] = False,
-    out: Annotated[
-        Path | None,
-        output("DIR", "Where the page stands, a temporary folder otherwise."),
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print where the page is, and end.")] = False,
-) -> None:
-    """Example:  wmrgen view robots/pioneer3dx.yaml robots/kuka_youbot.yaml
-
-    Show reports in the browser, with the robots side by side on top, to drive. When a robot file is saved the page
-    follows; a mistake in it stands on the page until it is mended. Ctrl-C ends it.
-    """
-
-
 @verb("generate", "Say which generated files are out of date.")
 def check(
     robots: Annotated[
@@ -104,33 +85,4 @@ def write_gallery(out: Out = Path("generated"), as_json: Json = False) -> None:
 
     Write DIR/README.md and DIR/index.html: the robots that stand in DIR with top view, type, degrees and operations.
     `wmrgen check` looks after these pages where they are.
-    """
-
-
-@verb("exporting", "Describe a robot for another tool: URDF, SDF, ros2_control, WPILib.")
-def export(
-    robot: Robot,
-    to: Annotated[
-        Literal["urdf", "sdf", "ros2_control", "wpilib"],
-        typer.Option(help="What to write. ros2_control: a URDF and the controller's parameters."),
-    ],
-    out: Annotated[
-        Path | None,
-        output("DIR|FILE", "Where; otherwise it is printed."),
-    ] = None,
-    as_json: Json = False,
-) -> None:
-    """Example:  wmrgen export robots/pioneer3dx.yaml --to ros2_control -o build
-
-    Describe a robot for another tool. Masses and whatever else a robot file does not say are marked placeholders. A
-    drive that ros2_controllers or WPILib does not have is refused in words (exit code 3).
-    """
-
-
-@verb("textbook", "Write the library of textbook formulas and the errata of the texts.")
-def textbook(out: Out = Path("generated"), as_json: Json = False) -> None:
-    """Example:  wmrgen textbook -o generated
-
-    Write DIR/textbook/ (formulas that need no robot: report, C, CasADi, NumPy) and DIR/errata.md (corrections to
-    our copies of the texts, each with the check that decides it). `wmrgen eval textbook FUNCTION` computes a formula.
     """

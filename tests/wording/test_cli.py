@@ -1,0 +1,39 @@
+"""Messages of the command line: what is wrong, as a clause that starts with a small letter, then what to do."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import Outcome
+
+Cli = Callable[..., Outcome]
+
+
+@pytest.mark.parametrize(
+    ("words", "names"),
+    [
+        ("check", "robots/*.yaml"),
+        ("schema --json --markdown", "--json --markdown"),
+        ("eval PAIR inverse vx=1 --cases x.json", "--cases"),
+        ("motion PAIR", "--time --segments"),
+        ("motion PAIR --time 1 --segments x.json", "--time --segments"),
+        ("icr PAIR", "vx= vy= omega= <wheel>.steer= icr.x= icr.y="),
+        ("gains k_rho=1e60", "1e+50"),
+        ("new", "wmrgen new"),
+        ("model PAIR --dt 1", "--discrete"),
+        ("eval PAIR inverse --backend nothing", "exact c"),
+    ],
+)
+def test_a_message_says_what_is_wrong_and_then_what_to_do(
+    wmrgen_cli: Cli, robot_file: Path, monkeypatch: pytest.MonkeyPatch, words: str, names: str
+) -> None:
+    monkeypatch.chdir(robot_file.parent)
+    done = wmrgen_cli(*words.replace("PAIR", robot_file.name).split())
+    assert done.code == 2 and bool(done.out) == ("--json" in words)
+    message = re.fullmatch(r"error\[WMR112\]: ([a-z-].*?)\. ([A-Z`].*)\.?\n", done.err)
+    assert message, done.err
+    assert [name for name in names.split() if name not in done.err] == []

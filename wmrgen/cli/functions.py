@@ -1,0 +1,55 @@
+"""``wmrgen functions``: the functions that a robot has, and why it does not have the others."""
+
+from __future__ import annotations
+
+from wmrgen.cli import console
+from wmrgen.cli.declare import Json, Robot, verb
+from wmrgen.cli.loading import derived
+from wmrgen.errors import NotDerivableError
+
+
+@verb("functions")
+def functions(robot: Robot, as_json: Json = False) -> int:
+    """Example:  wmrgen functions robots/pioneer3dx.yaml
+
+    List the functions that a robot has, each with a sentence, and why it does not have the others. Functions marked *
+    are generated; a robot file requests more under `functions`. `wmrgen eval` computes all of them.
+    """
+    from wmrgen.functions.registry import names, standard
+
+    with derived(robot) as derivation:
+        generated = {d.name for d in standard()} | set(derivation.robot.functions)
+        formulas, absent = [], {}
+        for name in names():
+            try:
+                formulas.append(derivation.formula(name))
+            except NotDerivableError as error:
+                absent[name] = error.what
+    if as_json:
+        console.data(
+            {
+                "robot": derivation.robot.name,
+                "functions": [
+                    {
+                        "name": f.name,
+                        "text": f.text,
+                        "source": f.source,
+                        "generated": f.name in generated,
+                        "inputs": [port.name for port in f.inputs],
+                        "outputs": [port.name for port, _ in f.outputs],
+                    }
+                    for f in formulas
+                ],
+                "absent": [{"name": name, "why": why} for name, why in absent.items()],
+            }
+        )
+        return 0
+    width = max(map(len, names()))
+    for f in formulas:
+        console.result(f"{'*' if f.name in generated else ' '} {f.name:<{width}}  {f.text}")
+    if absent:
+        console.result("\nIt does not have:")
+    for name, why in absent.items():
+        reason = why.splitlines()[0].split(": ", 1)[-1]
+        console.result(f"  {name:<{width}}  {reason}")
+    return 0

@@ -121,7 +121,7 @@ def _with_one_limit_more(robot: Loaded) -> Iterator[tuple[str, str, Loaded]]:
     """
     from wmrgen.geometry.exact.number import ONE
     from wmrgen.geometry.layout.records import Interval
-    from wmrgen.robotfile.part_keys import LIMITS
+    from wmrgen.robotfile.keys import LIMITS
 
     trial = Interval(-ONE, ONE)
     for field in LIMITS.fields:

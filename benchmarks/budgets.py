@@ -17,7 +17,8 @@ import wmrgen
 from benchmarks.emulator.fleet import Fleet, answers
 from benchmarks.emulator.inputs import cases
 from benchmarks.emulator.zig import FLAGS, M4F, version
-from wmrgen.derivation.artifacts import BUDGET, write_file
+from wmrgen.derivation.artifacts import write_file
+from wmrgen.derivation.manifest import BUDGET
 from wmrgen.ir.calls import inlined_calls, nominal
 from wmrgen.ir.interpret import FLOAT32
 from wmrgen.ir.nodes import Module, count

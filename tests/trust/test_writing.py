@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import tree
-from wmrgen.derivation.artifacts import MANIFEST, differences, write_file, write_tree
+from wmrgen.derivation.artifacts import differences, write_file, write_tree
+from wmrgen.derivation.manifest import MANIFEST
 from wmrgen.errors import EnvironmentFailure
 
 OLD = {"a.c": b"old a", "b.h": b"old b", "c.json": b"same"}

@@ -10,7 +10,9 @@ from typing import Any
 
 import wmrgen
 from wmrgen.cli import console
-from wmrgen.derivation.artifacts import Difference, file_difference, write_file
+from wmrgen.derivation import freshness
+from wmrgen.derivation.artifacts import Difference, file_difference, write_tree
+from wmrgen.derivation.manifest import PAGES, sha256
 from wmrgen.errors import UsageError
 from wmrgen.robotfile.shipped import shipped
 
@@ -51,27 +53,55 @@ def _row(path: Path) -> dict[str, Any]:
 
 
 def write_gallery(out: Path, as_json: bool) -> int:
-    """Write the pages of all robots under ``out``, and say so."""
+    """Write the pages of all robots in ``out``, and print what changed."""
+    comparable = freshness.can_compare()
     from wmrgen.report.pages.overview import overview
 
     pages = overview(out)
     if not pages:
         raise UsageError(
-            f"no robot stands in {out.as_posix()}/. Derive some into it: wmrgen derive ROBOT.yaml -o DIR"
+            f"there is no robot in {out.as_posix()}/. Derive some into it: wmrgen derive ROBOT.yaml -o DIR"
         )
-    changed = [name for name, content in pages.items() if write_file(out / name, content)]
+    changed = write_tree(out, pages, None, _inputs(out) if comparable else None).changed
     if as_json:
-        console.data({"changed": changed, "unchanged": [name for name in pages if name not in changed]})
+        unchanged = [name for name in pages if name not in changed]
+        console.data({"changed": [name for name in pages if name in changed], "unchanged": unchanged})
         return 0
     for name in pages:
         console.result(f"{(out / name).as_posix()} ({'new or changed' if name in changed else 'up to date'})")
     return 0
 
 
-def differing_gallery(out: Path) -> list[Difference]:
-    """Which pages are not as `write_gallery` would leave them; nothing is asked of a directory that has none."""
-    from wmrgen.report.pages.overview import PAGES, overview
+def differing_gallery(out: Path, comparable: bool) -> list[Difference]:
+    """Return which pages are out of date; none if ``out`` has no pages.
 
+    Args:
+        out: The output directory.
+        comparable: Whether pages are taken as fresh by their manifest, see `freshness.can_compare`.
+
+    Returns:
+        The pages.
+    """
     if not any((out / name).exists() for name in PAGES):
         return []
-    return [d for name, content in overview(out).items() for d in file_difference(out / name, content)]
+    manifest = freshness.fresh(out, _inputs(out)) if comparable else None
+    if manifest and set(manifest.files) == set(PAGES):
+        return []
+    from wmrgen.report.pages.overview import overview
+
+    found = []
+    for name, content in overview(out).items():
+        found += file_difference(out / name, content)
+    return found
+
+
+def _inputs(out: Path) -> dict[str, str]:
+    """Return what the pages are made from: the model of each robot, and which pictures it has."""
+    inputs = freshness.inputs()
+    if not inputs:
+        return {}
+    robots = []
+    for path in sorted(out.glob("*/model.json")):
+        pictures = sorted(p.name for p in path.parent.iterdir() if p.suffix in (".svg", ".html"))
+        robots.append(f"{path.parent.name} {sha256(path.read_bytes())} {' '.join(pictures)}")
+    return {**inputs, "robots": sha256("\n".join(robots).encode())}

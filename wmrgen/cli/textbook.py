@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol, cast
 
+from wmrgen.derivation import freshness
 from wmrgen.derivation.artifacts import Difference
+from wmrgen.derivation.manifest import sha256, unlisted
 from wmrgen.errors import EnvironmentFailure
 
 FOLDER, ERRATA = "textbook", "errata.md"  # in the output directory
+_SOURCE = (
+    Path(__file__).resolve().parents[2] / "textbook"
+)  # the modules of the library, beside those of wmrgen
 
 
 class Library(Protocol):
@@ -18,8 +24,8 @@ class Library(Protocol):
     def library(self, name: str) -> Any:
         """One function, with modules as a Derivation has them. UsageError for a name that there is not."""
 
-    def run(self, out: Path, as_json: bool) -> int:
-        """Write the library and the errata into ``out``, and say so."""
+    def run(self, out: Path, as_json: bool, made_from: Mapping[str, str]) -> int:
+        """Write the library and the errata into ``out``, and print what changed."""
 
     def differing(self, out: Path) -> list[Difference]:
         """What is not as `run` would leave it."""
@@ -40,11 +46,33 @@ def installed() -> Library:
 
 def textbook(out: Path, as_json: bool) -> int:
     """Write the library and the errata."""
-    return installed().run(out, as_json)
+    made_from = freshness.inputs(folders=[_SOURCE]) if freshness.can_compare() else {}
+    return installed().run(out, as_json, made_from)
 
 
-def differing_library(out: Path) -> list[Difference]:
-    """What of the library under ``out`` is not fresh; nothing is asked of a directory that holds none of it."""
+def differing_library(out: Path, comparable: bool) -> list[Difference]:
+    """Return which files of the library in ``out`` are out of date; none if it holds no file of it.
+
+    Args:
+        out: The output directory.
+        comparable: Whether files are taken as fresh by their manifest, see `freshness.can_compare`.
+
+    Returns:
+        The files.
+    """
     if not (out / FOLDER).is_dir() and not (out / ERRATA).exists():
         return []
+    if comparable and _fresh(out):
+        return []
     return installed().differing(out)
+
+
+def _fresh(out: Path) -> bool:
+    """Return whether the library is fresh, and the errata are those that its manifest records."""
+    try:
+        errata = sha256((out / ERRATA).read_bytes())
+    except OSError:
+        return False
+    inputs = freshness.inputs(folders=[_SOURCE])
+    manifest = freshness.fresh(out / FOLDER, {**inputs, ERRATA: errata} if inputs else {})
+    return manifest is not None and not unlisted(out / FOLDER, list(manifest.files))

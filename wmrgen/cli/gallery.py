@@ -1,14 +1,11 @@
-"""``wmrgen list``: the robots that come with wmrgen, which a robot file may begin as.
-
-``wmrgen gallery``: pages of those that are derived.
-"""
+"""``wmrgen list`` prints the robots that come with wmrgen; ``wmrgen gallery`` writes pages of derived robots."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
-import wmrgen
 from wmrgen.cli import console
 from wmrgen.derivation import freshness
 from wmrgen.derivation.artifacts import Difference, file_difference, write_tree
@@ -16,17 +13,20 @@ from wmrgen.derivation.manifest import PAGES, sha256
 from wmrgen.errors import UsageError
 from wmrgen.robotfile.shipped import shipped
 
+TABLE = "gallery.json"  # beside the robot files; `make generate` writes it
+
 
 def gallery() -> dict[str, Path]:
-    """Name -> robot file, in the order of names."""
+    """Return the robot files that come with wmrgen, by name of the robot."""
     return {path.stem: path for path in sorted(shipped("robots").glob("*.yaml"))}
 
 
 def list_robots(as_json: bool) -> int:
-    """Print name, degrees and description of every robot of the gallery."""
-    rows = [_row(path) for path in gallery().values()]
+    """Print name, degrees and description of every robot that comes with wmrgen, from the table beside their files."""
+    table = json.loads((shipped("robots") / TABLE).read_bytes())
+    rows = table["robots"]
     if as_json:
-        console.data({"robots": rows})
+        console.data(table)
         return 0
     width = max(len(row["name"]) for row in rows)
     for row in rows:
@@ -34,22 +34,30 @@ def list_robots(as_json: bool) -> int:
         degenerate = ", degenerate" if row["degenerate"] else ""
         console.result(f"{row['name']:<{width}}  {degrees}  {row['description']}{degenerate}")
     console.note(
-        "Degrees are (mobility, steerability). `wmrgen new MY_ROBOT --from NAME` begins as one of them."
+        "Degrees are (mobility, steerability). `wmrgen new MY_ROBOT --from NAME` starts from a robot."
     )
     return 0
 
 
-def _row(path: Path) -> dict[str, Any]:
-    robot = wmrgen.load(path)
-    m = wmrgen.derive(robot).mobility
-    return {
-        "name": robot.name,
-        "degree_of_mobility": m.degree_of_mobility,
-        "degree_of_steerability": m.degree_of_steerability,
-        "degree_of_maneuverability": m.degree_of_maneuverability,
-        "degenerate": m.robot_type is None,
-        "description": robot.description,
-    }
+def table_of_robots() -> dict[str, Any]:
+    """Derive every robot that comes with wmrgen, and return the content of the table that `list_robots` prints."""
+    import wmrgen
+
+    rows = []
+    for path in gallery().values():
+        robot = wmrgen.load(path)
+        mobility = wmrgen.derive(robot).mobility
+        rows.append(
+            {
+                "name": robot.name,
+                "degree_of_mobility": mobility.degree_of_mobility,
+                "degree_of_steerability": mobility.degree_of_steerability,
+                "degree_of_maneuverability": mobility.degree_of_maneuverability,
+                "degenerate": mobility.robot_type is None,
+                "description": robot.description,
+            }
+        )
+    return {"robots": rows}
 
 
 def write_gallery(out: Path, as_json: bool) -> int:

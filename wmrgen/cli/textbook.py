@@ -39,8 +39,7 @@ def installed() -> Library:
         if error.name not in ("textbook", "textbook.command"):
             raise
         raise EnvironmentFailure(
-            "the textbook library is not installed: it is a package of its own. Install wmrgen[textbook], or from a "
-            "checkout: pip install ./textbook. In a checkout itself it is there."
+            f"the textbook library is missing: {_SOURCE} does not exist or is incomplete. Install wmrgen again."
         ) from error
 
 

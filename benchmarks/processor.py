@@ -130,7 +130,7 @@ def references(folder: Path, robots: set[str]) -> Iterator[str]:
 
 
 def inputs(names: Sequence[str], tunables: dict[str, float], seed: str) -> Iterator[dict[str, float]]:
-    """Return `RUNS` random inputs (speeds in [-1, 1], angles in [-pi, pi]), then standstill and single motions."""
+    """Yield `RUNS` random inputs (speeds in [-1, 1], angles in [-pi, pi]), then standstill and single motions."""
     source = random.Random(seed)
     angles = {name for name in names if name.endswith(".steer")}
     for _ in range(RUNS):

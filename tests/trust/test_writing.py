@@ -148,7 +148,9 @@ def test_a_full_disk_leaves_the_old_files(place: Path, monkeypatch: pytest.Monke
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     before = tree(place)
-    monkeypatch.setattr({"write_bytes": "pathlib.Path.write_bytes", "mkdtemp": "tempfile.mkdtemp"}[step], full)
+    monkeypatch.setattr(
+        {"write_bytes": "pathlib.Path.write_bytes", "mkdtemp": "tempfile.mkdtemp"}[step], full
+    )
     with pytest.raises(EnvironmentFailure, match=": No space left"):
         write_tree(place, NEW)
     assert tree(place) == before

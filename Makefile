@@ -1,12 +1,12 @@
-# Needs python3 (3.11 or newer) and make; everything else goes into .venv.
+# Needs python3 (3.11 or newer) and make; everything else is installed into .venv.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-# What is installed beside wmrgen, and how: .ci/run names more, and compiles only what is imported.
+# The extras of wmrgen to install, and how: .ci/run installs more, and compiles only modules that are imported.
 EXTRAS ?= dev
 HOW ?= --compile
 STAMP := $(VENV)/.installed
-# Bytecode is kept even where the environment says otherwise: the tests start some five hundred processes.
+# Python keeps its bytecode even if the environment forbids it, because the tests start about five hundred processes.
 PYTEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist worksteal
 
 .PHONY: setup demo test check lint types fresh budgets generate docs bench mutants fuzz clean
@@ -28,14 +28,15 @@ demo: setup
 test: setup
 	$(PYTEST)
 
-# All tests with the slow ones, and what comes before them; CI runs that side by side, and says BEFORE= then.
+# All tests, slow ones included, after the targets in BEFORE. CI runs these targets in parallel first, with BEFORE= here.
 BEFORE ?= lint types fresh budgets
 
 check: setup $(BEFORE)
 	WMRGEN_DEEP=1 $(PYTEST) -m 'slow or not slow'
 
+# --full derives every robot, so that the manifests of generated/ are checked too.
 fresh: setup
-	$(BIN)/wmrgen check
+	$(BIN)/wmrgen check --full
 
 budgets: setup
 	$(BIN)/python -m benchmarks budgets
@@ -53,9 +54,10 @@ generate: setup
 	$(BIN)/wmrgen textbook -o generated
 	$(BIN)/wmrgen schema --markdown > docs/robot_file.md
 	$(BIN)/wmrgen schema > robots/robot.schema.json
+	$(BIN)/python -m tests.gallery.table
 	$(BIN)/python -m tests.packaging.python_page
 
-# docs/, README and the reports as a site, build/docs/docs/index.html.
+# Build docs/, README and the reports as a site: build/docs/docs/index.html.
 docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -q -n -W --keep-going -j auto -b html -c docs . build/docs
 
@@ -70,7 +72,7 @@ mutants: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev,mutants]'
 	$(BIN)/python -m benchmarks mutants
 
-# SECONDS of robot files by Atheris.
+# Test random robot files by Atheris for SECONDS.
 fuzz: $(VENV)/.fuzz
 	$(BIN)/python -m tests.hostile.fuzz $(or $(SECONDS),600)
 

@@ -1,1 +1,1 @@
-"""What measures wmrgen: speed, start-up, freshness check, size of the generated code."""
+"""Benchmarks of wmrgen: speed, start-up, freshness check, size of the generated code."""

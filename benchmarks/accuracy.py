@@ -44,7 +44,7 @@ def _entered(x: Number) -> Any:
 
 @cache
 def _rational(x: Exact | Fraction) -> Any:
-    """To `DIGITS` digits, with which everything here computes."""
+    """Return a number with `DIGITS` digits, the precision of this module."""
     q = x.rational(DIGITS + 4) if isinstance(x, Exact) else x
     return mpmath.mpf(q.numerator) / q.denominator
 
@@ -80,7 +80,7 @@ class Worst:
 
 
 def inputs(function: Function, source: random.Random) -> Values:
-    """Rates and speeds up to 4, steering angles up to `LARGEST_STEER`; float32 values."""
+    """Return random inputs in float32: rates and speeds up to 4, steering angles up to `LARGEST_STEER`."""
     values = {}
     for port in function.inputs:
         if port.role is not Role.PREPARED and port.default is None:
@@ -96,7 +96,7 @@ def measure(
     name: str = "",
     compute: Callable[[Module, str, Sequence[Values]], list[Values]] | None = None,
 ) -> Worst:
-    """The worst error of function ``name`` of ``module`` against ``reference`` over ``cases``."""
+    """Return the worst error of the function ``name`` of ``module`` against ``reference`` over ``cases``."""
     name = name or reference.name
     requests = [(name, case) for case in cases]
     computed = evaluate(module, requests) if compute is None else compute(module, name, cases)
@@ -136,7 +136,7 @@ def precise(name: str) -> Derivation:
 
 
 def robot(name: str, count: int) -> Iterator[tuple[str, Worst]]:
-    """Inverse and forward of a robot of the gallery, tunable parameters nominal."""
+    """Return inverse and forward of a robot of the gallery, at nominal parameters."""
     derivation = precise(name)
     module = derivation.c_module
     for function in ("inverse", "forward"):
@@ -146,7 +146,7 @@ def robot(name: str, count: int) -> Iterator[tuple[str, Worst]]:
 
 
 def limit(reference: Function) -> float:
-    """The largest error allowed: of what steers, more."""
+    """Return the largest error allowed; it is larger for steered wheels."""
     return STEERED if any(p.name.endswith(".steer") for p in reference.inputs) else LINEAR
 
 
@@ -161,7 +161,7 @@ def _rows(job: tuple[str, int]) -> list[str]:
 
 
 def table(total: int = 100_000) -> Iterator[str]:
-    """The worst errors over ``total`` inputs, in the C that derive writes; then next to singularities."""
+    """Yield the worst errors of the generated C over ``total`` inputs, then those near singularities."""
     each = -(-total // (2 * len(ROBOTS)))
     yield f"Worst error of the float C ({DEFAULT.math}, {DEFAULT.target}) in ulp of the sum of the terms' magnitudes,"
     yield "of robots with `precise: true`."

@@ -1,4 +1,4 @@
-"""Nanoseconds a state of `forward` over many states: the array module, hand-written NumPy, CasADi's map and C."""
+"""Time of `forward` per state over many states [ns]: the array module, hand-written NumPy, CasADi's map and C."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ TARGET = 1.1
 
 
 def by_hand(s0: Any, a0: Any, s1: Any, a1: Any, s2: Any, a2: Any, s3: Any, a3: Any) -> tuple[Any, Any, Any]:
-    """The least-squares twist of a square swerve base, as it is written by hand."""
+    """Return the least-squares twist of a square swerve base, as one writes it by hand."""
     x0, y0, x1, y1 = s0 * np.cos(a0), s0 * np.sin(a0), s1 * np.cos(a1), s1 * np.sin(a1)
     x2, y2, x3, y3 = s2 * np.cos(a2), s2 * np.sin(a2), s3 * np.cos(a3), s3 * np.sin(a3)
     vx = RADIUS / 4 * (x0 + x1 + x2 + x3)
@@ -37,7 +37,7 @@ def by_hand(s0: Any, a0: Any, s1: Any, a1: Any, s2: Any, a2: Any, s3: Any, a3: A
 
 
 def with_slip(*joints: Any) -> tuple[Any, ...]:
-    """The same with the norm of the residual."""
+    """Return the twist of `by_hand` and the norm of the residual."""
     vx, vy, omega = by_hand(*joints)
     total = 0
     for k, (x, y) in enumerate(((HALF, HALF), (HALF, -HALF), (-HALF, HALF), (-HALF, -HALF))):
@@ -48,7 +48,7 @@ def with_slip(*joints: Any) -> tuple[Any, ...]:
 
 
 def in_turn(calls: dict[str, Callable[[], Any]], runs: int) -> dict[str, list[float]]:
-    """Seconds of each call, all called once a round; one round before that is not counted."""
+    """Return the times of each call [s]. Each round makes all calls once; a first round is not counted."""
     times: dict[str, list[float]] = {name: [] for name in calls}
     for k in range(runs + 1):
         for name, call in calls.items():
@@ -60,7 +60,7 @@ def in_turn(calls: dict[str, Callable[[], Any]], runs: int) -> dict[str, list[fl
 
 
 def table(runs: int) -> Iterator[str]:
-    """Run all in turn, so that a busy machine slows all; ratios are medians of the rounds."""
+    """Yield the table. Calls alternate, so a busy machine slows all of them; ratios are medians over the rounds."""
     derivation = wmrgen.derive(wmrgen.load(ROBOT))
     source = np.random.default_rng(0)
     joints = [source.uniform(-3, 3, STATES) for _ in range(2 * len(WHEELS))]

@@ -1,7 +1,7 @@
-"""``generated/<robot>/budget.json``: what the C of each robot costs, and the check that it does not grow.
+"""``generated/<robot>/budget.json``: the cost of each robot's C, and the check that it does not grow.
 
-Instructions, bytes of code and of stack are those of a Cortex-M4F and of the compiler in constraints.txt, so
-they are the same everywhere; libm's own are not in them (``calls`` says how often it is called).
+Instructions and bytes of code and stack are those of a Cortex-M4F and of the compiler in constraints.txt, so they are
+the same on every machine. They exclude libm; ``calls`` counts how often it is called.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ import wmrgen
 from benchmarks.emulator.fleet import Fleet, answers
 from benchmarks.emulator.inputs import cases
 from benchmarks.emulator.zig import FLAGS, M4F, version
-from wmrgen.derivation.artifacts import BUDGET, write_file
+from wmrgen.derivation.artifacts import write_file
+from wmrgen.derivation.manifest import BUDGET
 from wmrgen.ir.calls import inlined_calls, nominal
 from wmrgen.ir.interpret import FLOAT32
 from wmrgen.ir.nodes import Module, count
@@ -30,12 +31,12 @@ Budget = dict[str, Any]
 
 
 def gallery() -> list[Module]:
-    """The C modules of all robot files."""
+    """Return the C modules of all robot files."""
     return [wmrgen.derive(wmrgen.load(path)).c_module for path in sorted((ROOT / "robots").glob("*.yaml"))]
 
 
 def measure(modules: Sequence[Module]) -> dict[str, Budget]:
-    """Robot -> what its budget.json would hold."""
+    """Return the content of budget.json for each robot, by name."""
     with tempfile.TemporaryDirectory(prefix="wmrgen-budget-") as folder:
         fleet = Fleet.build(Path(folder), modules, answers(FLOAT32), separate=True, stack=True)
         return {module.name: _robot(fleet, module) for module in modules}
@@ -70,7 +71,7 @@ def _robot(fleet: Fleet, module: Module) -> Budget:
 
 
 def growth(old: Budget, new: Budget) -> list[str]:
-    """What is dearer in ``new``, or has no budget, in words."""
+    """Return a sentence for each number that is larger in ``new`` or has no budget."""
     if old.get("format") != new["format"] or old.get("compiler") != new["compiler"]:
         return [f"measured with {old.get('compiler')}, here is {new['compiler']}"]
     grown = _grown("text", old.get("text", 0), new["text"])
@@ -92,7 +93,7 @@ def _grown(what: str, was: int, now: int) -> list[str]:
 
 
 def read(path: Path) -> Budget | None:
-    """A budget; None where there is none."""
+    """Return the budget in a file, None if there is none."""
     try:
         budget: Budget = json.loads(path.read_bytes())
         return budget
@@ -105,7 +106,7 @@ def text(budget: Budget) -> bytes:
 
 
 def check(measured: Mapping[str, Budget], folder: Path = GENERATED) -> list[str]:
-    """One line per excess; empty when every robot keeps to its budget."""
+    """Return a line for each number that exceeds its budget."""
     excesses = []
     for robot, now in measured.items():
         was = read(folder / robot / BUDGET)
@@ -115,12 +116,12 @@ def check(measured: Mapping[str, Budget], folder: Path = GENERATED) -> list[str]
 
 
 def update(measured: Mapping[str, Budget], folder: Path = GENERATED) -> int:
-    """Write what was measured; how many files changed."""
+    """Write the measured budgets, and return how many files changed."""
     return sum(write_file(folder / robot / BUDGET, text(budget)) for robot, budget in measured.items())
 
 
 def run(renew: bool) -> Iterator[str]:
-    """The lines to print; ends with SystemExit(1) when a robot exceeds its budget and ``renew`` is not asked for."""
+    """Yield the lines to print. SystemExit(1) if a robot exceeds its budget and ``renew`` is False."""
     measured = measure(gallery())
     if renew:
         yield f"{update(measured)} of {len(measured)} budgets changed"
@@ -128,7 +129,7 @@ def run(renew: bool) -> Iterator[str]:
     excesses = check(measured)
     yield from excesses
     if excesses:
-        yield "if that is meant: python -m benchmarks budgets --update"
+        yield "To accept this: python -m benchmarks budgets --update"
         raise SystemExit(1)
     smaller = sum(read(GENERATED / robot / BUDGET) != now for robot, now in measured.items())
-    yield f"{len(measured)} robots keep to their budgets; {smaller} need less (budgets --update writes that down)"
+    yield f"{len(measured)} robots are within their budgets; {smaller} need less (budgets --update records it)"

@@ -32,7 +32,7 @@ class Coverage:
 
 
 def random_twist(random: np.random.Generator, layout: Layout) -> Twist:
-    """A smooth twist: speeds that swing about a mean, forwards or backwards, and curves both ways."""
+    """Return a smooth random twist: speeds oscillate about a mean, forwards or backwards, with curves both ways."""
     pace, phase = random.uniform(0.2, 0.8, 4), random.uniform(0, 2 * np.pi, 3)
     mean = random.uniform(0.2, 0.4) * random.choice([-1, 1])
 
@@ -63,7 +63,7 @@ def logs(folder: Path, random: np.random.Generator, layout: Layout) -> list[Path
 
 
 def coverage(name: str, runs: int, seed: int = SEED) -> Coverage:
-    """``runs`` calibrations of one of the simulated layouts."""
+    """Calibrate one of the simulated layouts ``runs`` times."""
     layout, random = LAYOUTS[name], np.random.default_rng([seed, len(name), *map(ord, name)])
     within, named, errors = 0, 0, []
     with tempfile.TemporaryDirectory() as folder:
@@ -81,7 +81,7 @@ def coverage(name: str, runs: int, seed: int = SEED) -> Coverage:
 
 
 def table(count: int) -> Iterator[str]:
-    """A row for each layout."""
+    """Yield a row for each layout."""
     yield "| layout | runs | within 3 sigma | errors in sigma, rms | named |"
     yield "|---|---|---|---|---|"
     for name in LAYOUTS:

@@ -1,4 +1,4 @@
-"""Operations per generated function, counted in the representation that the C is printed from."""
+"""Operations of each generated function, counted in the representation from which the C is printed."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ TARGETS = (
 
 
 def path_of(robot: str, folder: Path) -> Path:
-    """The file of a robot of the gallery, or of a large one."""
+    """Return the file of a robot of the gallery, or of a large one."""
     if robot not in LARGE:
         return ROOT / "robots" / f"{robot}.yaml"
     path = folder / f"{robot}.yaml"
@@ -50,7 +50,7 @@ def path_of(robot: str, folder: Path) -> Path:
 
 
 def table() -> Iterator[str]:
-    """The functions with a known hand count first, then every function of the gallery."""
+    """Yield the functions with a known hand count, then every function of the gallery."""
     yield "| layout | function | additions + multiplications | target | divisions |"
     yield "|---|---|---:|---:|---:|"
     with tempfile.TemporaryDirectory() as folder:

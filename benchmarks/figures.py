@@ -15,7 +15,7 @@ END = "<!-- end -->"
 
 
 def run(renew: bool, path: Path = PAGE) -> Iterator[str]:
-    """The tables; with ``renew`` they replace those of the file, when every tool they need is there."""
+    """Yield the tables. With ``renew`` they replace those in the file, if all tools are installed."""
     lines = []
     for table in (processor.tables, wpilib.table, footprint.table, small.table):
         for line in ("", *table()):
@@ -28,7 +28,7 @@ def run(renew: bool, path: Path = PAGE) -> Iterator[str]:
 
 
 def between(text: str) -> str:
-    """What stands between the markers."""
+    """Return the text between the markers."""
     head, begin, rest = text.partition(BEGIN)
     body, end, _ = rest.partition(END)
     if not begin or not end or BEGIN in rest or END in head:
@@ -37,14 +37,14 @@ def between(text: str) -> str:
 
 
 def update(lines: Iterable[str], path: Path = PAGE) -> bool:
-    """Write ``lines`` between the markers of the file; True when that changed it."""
+    """Write ``lines`` between the markers of the file, and return whether it changed."""
     text = path.read_text(encoding="utf-8")
     old = f"{BEGIN}{between(text)}{END}"
     return write_file(path, text.replace(old, "\n".join([BEGIN, *lines, "", END])).encode())
 
 
 def rows(text: str) -> list[list[str]]:
-    """The cells of each row of the Markdown tables in ``text``, headings and rules left out."""
+    """Return the cells of each row of the Markdown tables in ``text``, without headings and rules."""
     table, lines = [], text.splitlines()
     for line, following in zip(lines, [*lines[1:], ""], strict=True):
         if line.startswith("|") and not any(words.startswith("|---") for words in (line, following)):

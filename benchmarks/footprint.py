@@ -1,4 +1,4 @@
-"""Bytes of code and of stack of each function on processors whose GNU compilers are installed."""
+"""Code size and stack of each function on processors whose GNU compilers are installed."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ _WHERE_SMALL = re.compile(
 
 
 def _whole(robot: str, source: str, footprints: Mapping[str, Footprint], small: bool) -> dict[str, Footprint]:
-    """The functions that call others, with the text of these and the stack of the deepest."""
+    """Add to each function the code of the functions that it calls, and the stack of the deepest one."""
     calls: dict[str, set[str]] = {}
     for text in _WHERE_SMALL.sub(r"\1" if small else r"\2", source).split("\n}\n"):
         name = re.search(rf"^(?:void|WMRGEN_(?:KERNEL|ONCE) \w+) ((?:{robot}|wmrgen)_\w+)\(", text, re.M)
@@ -103,7 +103,7 @@ def _whole(robot: str, source: str, footprints: Mapping[str, Footprint], small: 
 
 
 def table() -> Iterator[str]:
-    """The functions of `JOBS` in Markdown, a column for each compiler that is there."""
+    """Yield the functions of `JOBS` in Markdown, with a column for each installed compiler."""
     there = [PROCESSORS[key] for key in SHOWN if PROCESSORS[key].present]
     if not there:
         yield "Bytes of code and stack: needs arm-none-eabi-gcc, riscv64-unknown-elf-gcc or avr-gcc."
@@ -118,7 +118,7 @@ def table() -> Iterator[str]:
 
 
 def rows(there: Sequence[Processor], measured: Sequence[Mapping[str, Footprint]]) -> Iterator[str]:
-    """A row for each of `JOBS`."""
+    """Yield a row for each of `JOBS`."""
     yield from heading("layout", "function", there)
     for job in JOBS:
         cells = [str(footprints[f"{job.robot}_{job.function}"]) for footprints in measured]
@@ -126,13 +126,13 @@ def rows(there: Sequence[Processor], measured: Sequence[Mapping[str, Footprint]]
 
 
 def heading(first: str, second: str, there: Sequence[Processor]) -> Iterator[str]:
-    """A column for each processor."""
+    """Return the heading, with a column for each processor."""
     yield f"| {first} | {second} | {' | '.join(processor.name for processor in there)} |"
     yield f"|---|---|{'---:|' * len(there)}"
 
 
 def total(footprints: Mapping[str, Footprint], robot: str) -> int:
-    """Bytes of code of all functions of ``robot``."""
+    """Return the code size of all functions of ``robot`` [bytes]."""
     return sum(
         footprint.own
         for name, footprint in footprints.items()

@@ -1,4 +1,4 @@
-"""The functions that are counted, the hand-written ones that do the same, and known figures of them."""
+"""The functions to count, the hand-written ones that do the same, and known figures of them."""
 
 from __future__ import annotations
 
@@ -56,13 +56,13 @@ ODOMETRY = Job("any", "textbook_differential", "odometry", "")
 
 @cache
 def derivations() -> dict[str, Derivation]:
-    """The robots of `JOBS`, by name."""
+    """Return the derivations of the robots of `JOBS`, by name."""
     with tempfile.TemporaryDirectory() as folder:
         names = dict.fromkeys(job.robot for job in JOBS)
         return {name: wmrgen.derive(wmrgen.load(path_of(name, Path(folder)))) for name in names}
 
 
 def outputs(job: Job) -> tuple[str, ...]:
-    """What every implementation of ``job`` computes. The slip of inverse kinematics is left out."""
+    """Return the outputs of every implementation of ``job``; slip of inverse kinematics is left out."""
     function = derivations()[job.robot].c_module.function(job.function)
     return tuple(port.name for port in function.outputs if port.name != "slip")

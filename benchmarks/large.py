@@ -6,7 +6,7 @@ from math import cos, pi, sin
 
 
 def robot(name: str, count: int, types: tuple[str, ...]) -> str:
-    """A robot file with ``count`` wheels on an ellipse, their types in turn."""
+    """Return a robot file with ``count`` wheels of alternating types on an ellipse."""
     lines = ["wmrgen: 1", f"name: {name}", "wheels:"]
     for k in range(count):
         turn = 2 * pi * k / count
@@ -23,7 +23,7 @@ def _kind(kind: str, place: str, k: int) -> str:
 
 
 def train(name: str, count: int, hitch: float, functions: str) -> str:
-    """A car with rear drive and ``count`` trailers."""
+    """Return a robot file of a car with rear drive and ``count`` trailers."""
     trailers = ", ".join(f"{{length: {0.5 + 0.1 * k:.1f}, hitch: {hitch}}}" for k in range(count))
     rear = "  - {name: rear, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}\n"
     front = "  - {name: front, type: steered, x: 1.4, y: 0, heading: 0, r: 0.1}\n"

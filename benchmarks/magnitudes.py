@@ -51,6 +51,6 @@ def _size(node: Node, value: Array, sizes: list[Array], args: list[Array]) -> Ar
 
 
 def ulps(sizes: Array) -> Array:
-    """The unit in the last place of a float of each size."""
+    """Return the unit in the last place of floats of these sizes."""
     _, exponents = np.frexp(sizes)
     return np.asarray(np.ldexp(1.0, np.maximum(exponents, -125) - 24))

@@ -91,7 +91,7 @@ def draw(count: int, seed: int) -> list[Fault]:
 
 
 def _places(path: str) -> list[list[Fault]]:
-    """The faults of one file, those of one place together."""
+    """Return the faults of one file, grouped by place."""
     from cosmic_ray.ast import ast_nodes, get_ast_from_path
     from cosmic_ray.plugins import get_operator, operator_names
 
@@ -165,7 +165,7 @@ def _environment(folder: Path) -> dict[str, str]:
 
 
 def copy_of_checkout(folder: Path) -> Path:
-    """A clone of the last commit."""
+    """Clone the last commit."""
     subprocess.run(["git", "clone", "-q", "--shared", str(ROOT), str(folder)], check=True)
     return folder
 
@@ -216,7 +216,7 @@ def _in_order(tests: Sequence[str], path: str, seconds: Mapping[str, float]) -> 
 
 
 def run(count: int = COUNT, seed: int = SEED) -> Iterator[str]:
-    """The lines to print: each fault that no test finds or that none ends with, its change, and the share found."""
+    """Yield the lines to print: each fault that no test finds or finishes with, its change, and the share found."""
     with tempfile.TemporaryDirectory(prefix="wmrgen-mutants-") as folder:
         tests, seconds = tests_of_lines(copy_of_checkout(Path(folder) / "covered"))
         jobs = []

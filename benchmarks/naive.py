@@ -123,7 +123,7 @@ class Naive:
         )
 
     def value(self, text: str | float) -> Any:
-        """A length, an angle or a radius."""
+        """Return a length, an angle or a radius."""
         if not isinstance(text, str):
             return text
         if text.startswith("-"):
@@ -134,18 +134,18 @@ class Naive:
         return math.radians(float(number)) if unit == "deg" else float(number)
 
     def rolling(self, w: Wheel, angle: Any) -> list[Any]:
-        """Coefficients of the twist in the speed of a wheel along its rollers' axes or its rim."""
+        """Return the coefficients of the twist in the speed of a wheel along its rollers' axes or its rim."""
         x, y, h = self._place(w)
         gamma = math.radians(w.gamma)
         return _along(x, y, h + angle + gamma)
 
     def sliding(self, w: Wheel, angle: Any) -> list[Any]:
-        """Coefficients of the twist in the speed of a wheel along its axle."""
+        """Return the coefficients of the twist in the speed of a wheel along its axle."""
         x, y, h = self._place(w)
         return _along(x, y, h + angle + math.pi / 2)
 
     def rim(self, w: Wheel) -> Any:
-        """What a rolling row sums to per wheel speed."""
+        """Return the coefficient of the wheel speed in a rolling row."""
         return self.value(w.r) * math.cos(math.radians(w.gamma))
 
     def _place(self, w: Wheel) -> tuple[Any, Any, Any]:
@@ -170,7 +170,7 @@ class Naive:
         return ca.Function("naive", [*joints.values(), *self._named(names)], [*ca.vertsplit(twist), slip])
 
     def inverse(self, names: Sequence[str]) -> ca.Function:
-        """vx vy omega (and parameters) to the speeds of wheels that do not steer."""
+        """Return the function from vx vy omega (and parameters) to the speeds of wheels that do not steer."""
         twist = [ca.SX.sym(name) for name in ("vx", "vy", "omega")]
         spins = [
             sum(a * b for a, b in zip(self.rolling(w, 0.0), twist, strict=True)) / self.rim(w)
@@ -215,7 +215,7 @@ class Naive:
 
 
 def _along(x: Any, y: Any, h: Any) -> list[Any]:
-    """Velocity of the point (x, y) in the direction h, by twist."""
+    """Return the velocity of the point (x, y) in the direction h, as coefficients of the twist."""
     c, s = _exact(ca.cos(h)), _exact(ca.sin(h))
     return [c, s, x * s - y * c]
 
@@ -226,7 +226,7 @@ def _exact(value: Any) -> Any:
 
 
 def _distinct(rows: Rows) -> Rows:
-    """Without rows that repeat others: two wheels of one axle slide alike."""
+    """Return the rows without repetitions: two wheels of one axle have the same sliding row."""
     kept: Rows = []
     for row, value in rows:
         equal = any(
@@ -239,7 +239,7 @@ def _distinct(rows: Rows) -> Rows:
 
 
 def _solved(rows: Rows) -> tuple[Any, Any]:
-    """The twist and the length of the residual."""
+    """Return the least-squares twist and the norm of the residual."""
     h = ca.vertcat(*(ca.horzcat(*row) for row, _ in rows))
     z = ca.vertcat(*(value for _, value in rows))
     if len(rows) == 3:
@@ -249,7 +249,7 @@ def _solved(rows: Rows) -> tuple[Any, Any]:
 
 
 def counts(function: ca.Function) -> tuple[int, int]:
-    """Instructions of a function and of its Jacobian by all inputs."""
+    """Return the number of instructions of a function and of its Jacobian by all inputs."""
     inputs = [
         ca.SX.sym(name.replace(".", "_"), function.size1_in(i)) for i, name in enumerate(function.name_in())
     ]

@@ -46,7 +46,7 @@ class Count:
     cycles: float
 
     def __str__(self) -> str:
-        """``=n`` when every input needs the same."""
+        """Return mean and range, or ``=n`` if every input needs the same number."""
         return f"={self.most}" if self.least == self.most else f"{self.mean:.0f} ({self.least}–{self.most})"
 
     @property
@@ -99,7 +99,7 @@ class Bench:
         return self.steps[f"{job.robot}_{job.function}"]
 
     def call(self, job: Job, name: str, case: dict[str, float]) -> tuple[Run, dict[str, float]]:
-        """The run and the outputs of wmrgen's function, or of the one called ``name``."""
+        """Run wmrgen's function, or the one called ``name``, and return the run and its outputs."""
         wanted = outputs(job)
         if name in self.flat:
             run, values = self.fleet.call_flat(name, [case[n] for n in self.flat[name]], len(wanted))
@@ -121,7 +121,7 @@ class Bench:
 
 
 def references(folder: Path, robots: set[str]) -> Iterator[str]:
-    """Copy what is written by hand; the C files whose robot is among ``robots``."""
+    """Copy the hand-written code, and return the C files whose robot is among ``robots``."""
     for path in sorted(REFERENCE.iterdir()):
         text = path.read_text()
         (folder / path.name).write_text(text)
@@ -130,7 +130,7 @@ def references(folder: Path, robots: set[str]) -> Iterator[str]:
 
 
 def inputs(names: Sequence[str], tunables: dict[str, float], seed: str) -> Iterator[dict[str, float]]:
-    """`RUNS` random inputs: speeds in [-1, 1], angles in [-pi, pi]; then standstill, single motions, quarter turns."""
+    """Yield `RUNS` random inputs (speeds in [-1, 1], angles in [-pi, pi]), then standstill and single motions."""
     source = random.Random(seed)
     angles = {name for name in names if name.endswith(".steer")}
     for _ in range(RUNS):
@@ -143,7 +143,7 @@ def inputs(names: Sequence[str], tunables: dict[str, float], seed: str) -> Itera
 
 
 def tables() -> Iterator[str]:
-    """The table of a Cortex-M4F and that of a Cortex-M0, in Markdown."""
+    """Yield the tables of a Cortex-M4F and a Cortex-M0, in Markdown."""
     if not gcc.present():
         yield "Instructions per call: needs arm-none-eabi-gcc with newlib."
         return
@@ -178,7 +178,7 @@ def _m4f() -> Iterator[str]:
 
 
 def _cycles(benches: Mapping[str, Bench]) -> Iterator[str]:
-    """Instructions and cycles of hand-written code and of ours, odometry too, which nobody wrote by hand."""
+    """Yield instructions and cycles of hand-written code and of wmrgen's; odometry has no hand-written code."""
     yield "Instructions / modelled cycles per call, means of the same inputs. Cycles are those of Arm's manual of the"
     yield "Cortex-M4 without waits: 14 for a division or root, 3 for a fused multiply-add or a branch, 2 for a load or"
     yield "store, 1 for the rest."

@@ -97,7 +97,7 @@ def worst(module: Module, cases: Sequence[tuple[str, Values]], compute: Compute)
 
 
 def nearby(target: str, count: int = NEAR) -> tuple[float, float]:
-    """The worst errors of the compiled C for a target."""
+    """Return the worst errors of the compiled C for a target."""
 
     def compiled(module: Module, name: str, cases: Sequence[Values]) -> list[Values]:
         return evaluate(module, [(name, case) for case in cases], math=INLINE, target=target)

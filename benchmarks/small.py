@@ -1,4 +1,4 @@
-"""What ``-DWMRGEN_SMALL`` saves in bytes, and what it costs in instructions."""
+"""The bytes that ``-DWMRGEN_SMALL`` saves, and the instructions that it costs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from wmrgen.ir.kernels.choice import DEFAULT
 
 
 def table() -> Iterator[str]:
-    """Bytes and stack of `JOBS`, of all functions of their robots, and instructions, in Markdown."""
+    """Yield code size, stack and instructions of `JOBS` and of all functions of their robots, in Markdown."""
     there = [PROCESSORS[key] for key in SHOWN if PROCESSORS[key].present]
     if not PROCESSORS["m4f"].present:
         yield "The least flash: needs arm-none-eabi-gcc."

@@ -1,4 +1,4 @@
-"""Steps of model predictive control with models of wmrgen, beside the same problems with models typed by hand."""
+"""Steps of model predictive control with models of wmrgen, compared with models written by hand."""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from textbook.emit import artifacts, errata
@@ -9,6 +10,7 @@ from textbook.library import FUNCTIONS, Textbook, textbook
 from wmrgen.cli import console
 from wmrgen.cli.textbook import ERRATA, FOLDER
 from wmrgen.derivation.artifacts import Difference, differences, file_difference, write_file, write_tree
+from wmrgen.derivation.manifest import sha256
 from wmrgen.errors import UsageError
 from wmrgen.robotfile.text import suggestion
 
@@ -22,14 +24,24 @@ def library(name: str) -> Textbook:
     return textbook(name)
 
 
-def run(out: Path, as_json: bool = False) -> int:
-    """Write both, then say what was written."""
+def run(out: Path, as_json: bool = False, made_from: Mapping[str, str] | None = None) -> int:
+    """Write the library and the errata, and print what changed.
+
+    Args:
+        out: The output directory.
+        as_json: Print JSON.
+        made_from: The inputs of today, for the manifest of the library; see `wmrgen.derivation.freshness`.
+
+    Returns:
+        The exit code.
+    """
     with console.progress() as step:
         step("writing down the library")
         files = artifacts()
         step("running the checks of the errata")
         page = errata()
-    written = write_tree(out / FOLDER, files)
+    inputs = {**made_from, ERRATA: sha256(page)} if made_from else {}
+    written = write_tree(out / FOLDER, files, None, inputs)
     changed = write_file(out / ERRATA, page)
     if as_json:
         kinds = ("changed", "unchanged", "removed")

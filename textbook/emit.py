@@ -9,8 +9,6 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any
 
-import sympy
-
 from textbook.library import Textbook, textbook
 from textbook.report import report
 from wmrgen import __version__
@@ -33,7 +31,6 @@ def artifacts() -> Mapping[str, bytes]:
         description=DESCRIPTION,
         model_hash=digest.hexdigest()[:32],
         wmrgen_version=__version__,
-        sympy_version=sympy.__version__,
     )
     files = {"functions.json": facts}
     for entry in unasked():

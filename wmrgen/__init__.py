@@ -3,7 +3,7 @@
 >>> import wmrgen
 >>> derivation = wmrgen.derive(wmrgen.load("robots/pioneer3dx.yaml"))
 
-Importing the package, and ``dir`` of it, load neither sympy nor casadi nor numpy: `load` and `derive` do, when called.
+Importing the package loads neither sympy nor casadi nor numpy; `load` and `derive` do when they are called.
 """
 
 from __future__ import annotations
@@ -56,14 +56,14 @@ def load(source: str | PathLike[str] | Mapping[str, object]) -> Robot:
 
 
 def read(path: str | PathLike[str]) -> tuple[RobotSpec, Robot]:
-    """Return what a file says, each value with its place, and the robot that it describes. RobotFileError as `load`."""
+    """Return the content of a robot file, each value with its place, and the robot. RobotFileError as for `load`."""
     from wmrgen.robotfile.load import read_robot
 
     return _laid_out(partial(read_robot, os.fspath(path)))
 
 
 def _laid_out(spec_of: Callable[[ErrorCollector], RobotSpec]) -> tuple[RobotSpec, Robot]:
-    """What a source says and the robot that it describes; the errors of both as one."""
+    """Return the content of a robot file and the robot; the errors of both are raised as one."""
     from wmrgen.errors import ErrorCollector
 
     collector = ErrorCollector()
@@ -75,7 +75,7 @@ def _laid_out(spec_of: Callable[[ErrorCollector], RobotSpec]) -> tuple[RobotSpec
 
 
 def robot_of(spec: RobotSpec) -> Robot:
-    """The robot that a file's content describes. RobotFileError as `load`."""
+    """Return the robot that the content of a file describes. RobotFileError as for `load`."""
     from wmrgen.errors import ErrorCollector
     from wmrgen.functions.registry import check
     from wmrgen.geometry.layout import build
@@ -90,14 +90,14 @@ def robot_of(spec: RobotSpec) -> Robot:
 
 
 def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:
-    """Return the derivation of a robot, whose parts are computed when they are first asked for.
+    """Return the derivation of a robot. Each of its parts is computed when it is first used.
 
     Args:
         robot: From `load`.
-        functions: Names of the only functions that code is made of, instead of those of the robot file.
+        functions: Names of the functions to generate, instead of the standard ones and those of the robot file.
 
     Raises:
-        NotDerivableError: When a part is asked for that the robot cannot have.
+        NotDerivableError: The robot cannot have a part; raised when the part is first used.
     """
     from wmrgen.derivation.facade import Derivation
 

@@ -17,12 +17,12 @@ INTEGER_DIVIDE = 12  # at most
 
 
 def cycles(first: int, second: int) -> int:
-    """Cycles of the instruction that begins with the halfwords ``first`` and ``second``."""
+    """Return the cycles of the instruction that starts with the halfwords ``first`` and ``second``."""
     return _wide(first, second) if is_wide(first) else _narrow(first)
 
 
 def is_wide(first: int) -> bool:
-    """Whether an instruction has four bytes: those begin with 0b11101, 0b11110 or 0b11111."""
+    """Return whether an instruction has four bytes; these start with 0b11101, 0b11110 or 0b11111."""
     return first >> 11 >= 0b11101
 
 
@@ -53,7 +53,7 @@ def _wide(first: int, second: int) -> int:
 
 
 def _floats_in_memory(first: int, second: int) -> int:
-    """VLDR and VSTR, those of several registers, and moves of two at once."""
+    """Return the cycles of VLDR, VSTR, their forms for several registers, and moves of two registers."""
     if first & 0x0120 == 0x0100 or first & 0x01E0 == 0x0040:
         return MEMORY
     return 1 + (second & 0xFF)

@@ -1,4 +1,4 @@
-"""The generated C of many robots in one image, called by the names of the contract."""
+"""The generated C of many robots in one image, called by the names of inputs and outputs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Sources = Callable[[Module], tuple[str, str]]
 
 
 def answers(arithmetic: Arithmetic) -> Libm:
-    """libm's functions as ``arithmetic`` has them."""
+    """Return libm's functions, computed by ``arithmetic``."""
     return {name: arithmetic.of(OPERATIONS[name.removesuffix("f")]) for name in LIBM}
 
 
@@ -37,12 +37,12 @@ _usual = lru_cache(maxsize=64)(unit)  # structs and functions, which are those o
 
 
 def default_sources(module: Module) -> tuple[str, str]:
-    """Header and source as ``wmrgen derive`` writes them, banner aside."""
+    """Return header and source as ``wmrgen derive`` writes them, without the banner."""
     return sources(module)
 
 
 def write_sources(folder: Path, modules: Sequence[Module], made: Sources = default_sources) -> None:
-    """The files of all modules, `LAYOUTS` of their structs, and `EVERY`: all in one translation unit."""
+    """Write the files of all modules, the `LAYOUTS` of their structs, and `EVERY`, which includes all of them."""
     layouts = ["#include <stddef.h>", *(f'#include "{module.name}.h"' for module in modules)]
     for module in modules:
         header, source = made(module)
@@ -117,16 +117,16 @@ class Fleet:
         return {module.name: _usual(module) for module in self.modules}
 
     def steps(self, robot: str) -> tuple[Step, ...]:
-        """The functions of the contract, without params_default and prepare."""
+        """Return the functions of a robot, without params_default and prepare."""
         return tuple(self.units[robot].contract.values())
 
     def text(self, robot: str) -> int:
-        """Bytes of flash of all functions of ``robot``, of a fleet built separately."""
+        """Return the flash of all functions of ``robot`` [bytes], for a fleet that is built separately."""
         sizes = Image(self.objects[f"{robot}.c"]).sizes()
         return sum(size for name, size in sizes.items() if name.startswith((".text", ".rodata")))
 
     def inputs(self, step: Step) -> tuple[str, ...]:
-        """Names of the inputs of ``step``, the tunable parameters last."""
+        """Return the names of the inputs of ``step``; the tunable parameters are last."""
         own = self._prepare(step).inputs if "prepared" in step.variables else {}
         return tuple(dict.fromkeys((*step.inputs, *own)))
 
@@ -150,7 +150,7 @@ class Fleet:
         return run, results
 
     def _offset(self, p: Parameter, member: str) -> int:
-        """Where a member lies in what ``p`` points to, in bytes."""
+        """Return the offset of a member in the struct that ``p`` points to [bytes]."""
         return 4 * self._layouts[p.type][1][member] if member else 0
 
     def call_flat(self, name: str, inputs: Sequence[float], outputs: int) -> tuple[Run, tuple[float, ...]]:
@@ -178,7 +178,7 @@ class Fleet:
 
     @cached_property
     def _layouts(self) -> dict[str, tuple[int, dict[str, int]]]:
-        """Struct -> (its size, place of each member path), in words."""
+        """Return size and offsets of the members of each struct, in words."""
         layouts = {}
         for s in (s for u in self.units.values() for s in u.structs.values()):
             content = self.image.content(f"layout_{s.name}")
@@ -188,6 +188,6 @@ class Fleet:
 
 
 def _places(step: Step) -> list[int]:
-    """Where the parameters of ``step`` point."""
+    """Return the addresses that the parameters of ``step`` point to."""
     free = iter(_PLACES[len(_KEPT) :])
     return [_KEPT[p.name] if p.name in _KEPT else next(free) for p in step.parameters]

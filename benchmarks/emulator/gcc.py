@@ -1,4 +1,4 @@
-"""GNU toolchains, where they are installed: newlib's libm, which firmware links, and processors beside Cortex-M4F."""
+"""GNU toolchains, if they are installed: newlib's libm, which firmware links, and processors other than Cortex-M4F."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Processor:
 
     @property
     def version(self) -> str:
-        """Name and version of the compiler, without the packager's words."""
+        """Return name and version of the compiler, without the text of the packager."""
         done = subprocess.run(
             (self.compiler, "-dumpfullversion", "-dumpversion"), capture_output=True, text=True, check=True
         )
@@ -51,12 +51,12 @@ PROCESSORS = {
 
 
 def present() -> bool:
-    """Whether there is a toolchain with newlib for the emulated processors."""
+    """Return whether a toolchain with newlib is installed for the emulated processors."""
     return PROCESSORS["m4f"].present
 
 
 def run(folder: Path, *command: str) -> None:
-    """A compiler, in ``folder``; RuntimeError with what it said when it fails."""
+    """Run a compiler in ``folder``. RuntimeError with its output if it fails."""
     done = subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True)
     if done.returncode:
         raise RuntimeError(f"{' '.join(command)} failed:\n{done.stderr[:4000]}")
@@ -65,7 +65,7 @@ def run(folder: Path, *command: str) -> None:
 def build(
     folder: Path, sources: Sequence[str], name: str, processor: str = "m4f", flags: Sequence[str] = FLAGS
 ) -> Path:
-    """A Cortex-M executable without an entry point from C files in ``folder``, with newlib's libm."""
+    """Build a Cortex-M executable without an entry point from C files in ``folder``, with newlib's libm."""
     places = (f"-Wl,-Ttext={CODE:#x}", f"-Wl,-Tdata={DATA:#x}", "-Wl,-e,0", "-nostartfiles", "-I.")
     chosen = PROCESSORS[processor]
     libraries = ("-lm", "-lc", "-lgcc")

@@ -1,4 +1,4 @@
-"""Objects and executables: symbols, sizes, what is referenced and bytes."""
+"""Objects and executables: symbols, sizes, references and bytes."""
 
 from __future__ import annotations
 
@@ -41,17 +41,17 @@ class Image:
 
     @property
     def symbols(self) -> dict[str, Symbol]:
-        """Functions and objects, by name."""
+        """Return functions and objects, by name."""
         return self._symbols[0]
 
     @property
     def undefined(self) -> frozenset[str]:
-        """What ``nm -u`` prints."""
+        """Return the undefined symbols, as ``nm -u`` prints them."""
         return self._symbols[1]
 
     @cached_property
     def segments(self) -> tuple[tuple[int, bytes], ...]:
-        """(address, bytes) of everything that is loaded."""
+        """Yield (address, bytes) of every segment that is loaded."""
         with self.path.open("rb") as stream:
             every = ELFFile(stream).iter_segments()
             return tuple(
@@ -59,12 +59,12 @@ class Image:
             )
 
     def sizes(self) -> dict[str, int]:
-        """Bytes of the sections that occupy flash or RAM, by name."""
+        """Return the sizes of the sections in flash or RAM [bytes], by name."""
         with self.path.open("rb") as stream:
             return {s.name: s["sh_size"] for s in ELFFile(stream).iter_sections() if s["sh_flags"] & 2}
 
     def content(self, name: str) -> bytes:
-        """The bytes of an object that is loaded."""
+        """Return the bytes of an object that is loaded."""
         symbol = self.symbols[name]
         for start, data in self.segments:
             if start <= symbol.address < start + len(data):

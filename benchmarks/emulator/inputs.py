@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 def cases(
     names: Sequence[str], tunables: dict[str, float], seed: str, count: int
 ) -> Iterator[dict[str, float]]:
-    """Standstill, then uniform in [-1, 1]; ``tunables`` stay as they are."""
+    """Return a standstill, then inputs uniform in [-1, 1]; ``tunables`` keep their values."""
     source = random.Random(seed)
     yield {name: tunables.get(name, 0.0) for name in names}
     for _ in range(count):

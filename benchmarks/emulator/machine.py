@@ -24,7 +24,7 @@ Trap = tuple[int, Callable[..., float]]  # how many floats, and what is computed
 
 
 def _bits(x: float) -> int:
-    """The word that a float is."""
+    """Return a float as a word."""
     return int.from_bytes(struct.pack("<f", x), "little")
 
 
@@ -92,7 +92,7 @@ class Machine:
             uc.emu_stop()
 
     def _weigh(self, address: int, size: int) -> tuple[int, int]:
-        """The instructions of a block, and their cycles."""
+        """Return the number of instructions in a block, and their cycles."""
         if any(address in places for places in self._free):
             return 0, 0
         place, count, time = address, 0, 0

@@ -44,7 +44,7 @@ M0 = Target("m0", "thumb-freestanding-eabi", "cortex_m0", False)
 
 
 def version() -> str:
-    """What decides the machine code, apart from the C."""
+    """Return the version of the compiler, which decides the machine code of given C."""
     return f"ziglang {importlib.metadata.version('ziglang')}"
 
 
@@ -61,7 +61,7 @@ def _zig(folder: Path, *words: str) -> None:
 def compile_objects(
     folder: Path, sources: Sequence[str], target: Target, flags: Sequence[str] = FLAGS
 ) -> list[Path]:
-    """The object of each of ``sources`` (names of C files in ``folder``), beside it."""
+    """Compile each of ``sources`` (names of C files in ``folder``) to an object in the same folder."""
     chosen = ("-target", target.triple, f"-mcpu={target.cpu}", *flags, *_HOSTED)
 
     def one(source: str) -> Path:

@@ -60,7 +60,7 @@ def _grid(kernel: Kernel) -> Grid:
 
 
 def minimax(kernel: Kernel, fixed: Sequence[Any], powers: Sequence[int]) -> list[Any]:
-    """The best coefficients of ``powers`` beside the first ones, which are ``fixed``."""
+    """Return the best coefficients of ``powers``, given the first ones, which are ``fixed``."""
     grid, n = _grid(kernel), len(powers)
     fixed_powers = kernel.powers[: len(fixed)]
     places = [round(GRID * (1 - math.cos(math.pi * (2 * i + 1) / (2 * n + 2))) / 2) for i in range(n + 1)]
@@ -86,7 +86,7 @@ def minimax(kernel: Kernel, fixed: Sequence[Any], powers: Sequence[int]) -> list
 
 
 def _errors(grid: Grid, coefficients: Sequence[Any], powers: Sequence[int]) -> list[float]:
-    """Of the polynomial on the grid. Powers come in steps of two."""
+    """Return the errors of the polynomial on the grid. Its powers increase by two."""
     square, total = grid.x * grid.x, np.zeros_like(grid.x)
     for c in reversed(coefficients):
         total = total * square + float(c)
@@ -128,7 +128,7 @@ def coefficients(kernel: Kernel) -> tuple[tuple[str, ...], float]:
 
 @cache
 def shorter(kernel: Kernel) -> float:
-    """The worst error of the best polynomial with one coefficient less, not rounded."""
+    """Return the worst error of the best polynomial with one coefficient less, not rounded."""
     with mpmath.workdps(DIGITS):
         powers = kernel.powers[:-1]
         return max(map(abs, _errors(_grid(kernel), minimax(kernel, (), powers), powers)))

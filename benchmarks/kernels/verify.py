@@ -1,4 +1,4 @@
-"""The worst error of each kernel over every float of its range, from the C that derive prints."""
+"""The worst error of each kernel over every float of its range, measured on the C that derive prints."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _vector() -> Function:
 
 
 def compiler() -> str:
-    """A C compiler of this machine."""
+    """Return a C compiler of this machine."""
     path = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
     if path is None:
         raise EnvironmentFailure("trying every float needs a C compiler")
@@ -100,7 +100,7 @@ def build(folder: Path, target: str, vector: bool = False) -> Path:
 
 
 def worst(program: Path, r: Range, step: int = 1) -> Found:
-    """Over every ``step``-th float of the range."""
+    """Return the worst error over every ``step``-th float of the range."""
     first, last = (struct.unpack("<I", struct.pack("<f", x))[0] for x in (r.start, r.end))
     words = [str(program), r.function, str(first), str(last), str(step), "a" if r.absolute else "r"]
     done = subprocess.run(words, capture_output=True, text=True, check=True)

@@ -14,7 +14,7 @@ def decimals(expressions: list[sympy.Expr]) -> dict[sympy.Expr, sympy.Expr]:
 
 
 def with_plain_functions(value: sympy.Expr) -> sympy.Expr:
-    """``value`` without operations that only wmrgen has."""
+    """Return ``value`` without operations that only wmrgen has."""
 
     def with_sign_of(a: sympy.Expr, b: sympy.Expr) -> sympy.Expr:
         return sympy.Piecewise((-a, b < 0), (a, True))

@@ -20,7 +20,7 @@ _PROGRAM = Path(__file__).with_suffix(".cpp")
 
 
 def missing() -> str:
-    """What is not there, in words; empty when the table can be made."""
+    """Return the names of missing tools; empty if the table can be made."""
     if importlib.util.find_spec("native") is None or importlib.util.find_spec("native.wpimath") is None:
         return "robotpy-wpimath (pip)"
     return ", ".join(tool for tool in ("gcc", "g++", "valgrind") if shutil.which(tool) is None)
@@ -45,7 +45,7 @@ def _run(*words: str | Path, folder: Path) -> str:
 
 
 def build(folder: Path) -> list[Path]:
-    """A program for each of `MATHS` that calls WPILib or wmrgen."""
+    """Build a program for each of `MATHS` that calls WPILib or wmrgen."""
     flags = [
         word
         for p in _places()
@@ -68,7 +68,7 @@ def build(folder: Path) -> list[Path]:
 
 
 def count(program: Path, function: str) -> float:
-    """Instructions per call: what `CALLS` more calls cost, the call itself and its inputs with them."""
+    """Return the instructions per call, inputs included, from the difference that `CALLS` more calls make."""
     totals = [_total(program, function, n) for n in (CALLS, 2 * CALLS)]
     return (totals[1] - totals[0]) / CALLS
 
@@ -83,7 +83,7 @@ def _total(program: Path, function: str, calls: int) -> int:
 
 
 def table() -> Iterator[str]:
-    """WPILib's instructions and wmrgen's, in Markdown."""
+    """Yield the instructions of WPILib and of wmrgen, in Markdown."""
     if missing():
         yield f"WPILib on the host: needs {missing()}."
         return

@@ -172,7 +172,7 @@ def test_the_action_runs_what_it_says(wmrgen_cli: Cli, project: Path, robots: st
     environment = {"PATH": f"{program.parent}:/usr/bin:/bin", **values}
     done = subprocess.run(["bash", "-e", "-c", check["run"]], env=environment, capture_output=True, text=True)
     words = done.stdout.splitlines()
-    assert words == ["check", *(["robots/pair.yaml"] if robots else []), "--out", "generated"]
+    assert words == ["check", *(["robots/pair.yaml"] if robots else []), "--out", "generated", "--full"]
     assert wmrgen_cli(*words).code == 0
     (project / "generated" / "pair" / "pair.h").write_text("stale")
     assert wmrgen_cli(*words).code == 1

@@ -14,8 +14,9 @@ from tests.depth import EVERYDAY
 from tests.laws.common import gallery
 from tests.oracle import oracle, robot_file
 from tests.robots import of_gallery
-from wmrgen.derivation.artifacts import differences, made_with
+from wmrgen.derivation.artifacts import differences
 from wmrgen.derivation.emit import artifacts
+from wmrgen.derivation.manifest import recorded_options
 
 ROBOTS = sorted((Path(__file__).parents[2] / "robots").glob("*.yaml"))
 # (mobility, steerability, rank C1f, dof): real robots from their sources' geometry, textbook robots from Campion's
@@ -82,4 +83,4 @@ def test_generated_files_are_those_of_today(name: str) -> None:
     `wmrgen check`, which compares those of every robot."""
     folder = ROOT / "generated" / name
     files = artifacts(of_gallery(name))
-    assert [str(unlike) for unlike in differences(folder, files, made_with(folder))] == []
+    assert [str(unlike) for unlike in differences(folder, files, recorded_options(folder))] == []

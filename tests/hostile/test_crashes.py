@@ -15,7 +15,7 @@ import pytest
 from tests.conftest import DIFFERENTIAL, put, tree
 from tests.external_tools import need, tool
 from tests.hostile.attempts import LINUX, Server, harmless
-from wmrgen.derivation.artifacts import MANIFEST
+from wmrgen.derivation.manifest import MANIFEST
 
 pytestmark = [LINUX, pytest.mark.slow]
 FILES = {"first": DIFFERENTIAL, "second": DIFFERENTIAL.replace("0.0975", "0.1").replace("left", "port")}

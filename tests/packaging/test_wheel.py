@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import sysconfig
@@ -38,11 +39,18 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return python
 
 
-def test_the_wheel_holds_the_package_and_the_templates_and_nothing_else(wheel: Path) -> None:
+def test_the_wheel_holds_the_packages_and_the_templates_and_nothing_else(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     tops = {name.split("/")[0] for name in names}
-    assert len(tops) == 2
-    assert "wmrgen" in tops
+    assert tops - {"wmrgen", "textbook"} == {f"{wheel.name.split('-py3')[0]}.dist-info"}
+    modules = {p.relative_to(ROOT).as_posix() for p in (ROOT / "textbook").rglob("*.py")}
+    shipped_modules = {name for name in names if name.startswith("textbook/")}
+    assert shipped_modules == {name for name in modules if not name.startswith("textbook/tests/")}
+    licences = [name for name in names if ".dist-info/licenses/" in name]
+    assert sorted(name.partition("/licenses/")[2] for name in licences) == [
+        "LICENSE",
+        "templates/html/katex/LICENSE",
+    ]
     shipped = {n.removeprefix("wmrgen/templates/") for n in names if n.startswith("wmrgen/templates/")}
     templates = {p for p in (ROOT / "templates").rglob("*") if p.is_file() and p.parent.name != "__pycache__"}
     assert shipped == {p.relative_to(ROOT / "templates").as_posix() for p in templates}
@@ -72,11 +80,33 @@ def test_it_begins_a_robot_as_one_of_the_gallery(installed: Path, tmp_path: Path
     assert process("derive", "mine.yaml", cwd=tmp_path, python=python).code == 0
 
 
-def test_without_the_textbook_library_it_says_so(installed: Path, tmp_path: Path) -> None:
-    for words in (("eval", "textbook", "pursuit"), ("textbook",)):
-        done = process(*words, cwd=tmp_path, python=(str(installed), "-E", "-m", "wmrgen"))
-        assert done.code == 4 and "wmrgen[textbook]" in done.err and done.out == ""
-    assert not list(tmp_path.iterdir())
+def test_the_textbook_library_is_there(installed: Path, tmp_path: Path) -> None:
+    words = ("eval", "textbook", "polar_rates", "rho=1", "alpha=0.2", "beta=-0.1", "v=0.5")
+    done = process(*words, cwd=tmp_path, python=(str(installed), "-E", "-m", "wmrgen"))
+    assert done.code == 0 and done.out == process(*words, cwd=tmp_path).out, done.err
+
+
+def test_it_takes_the_files_of_a_checkout_as_fresh(installed: Path, tmp_path: Path) -> None:
+    """What a checkout wrote is fresh for the wheel, which derives nothing then."""
+    (tmp_path / "pair.yaml").write_text(DIFFERENTIAL)
+    assert process("derive", "pair.yaml", cwd=tmp_path).code == 0
+    probe = (
+        "import sys; from wmrgen.__main__ import main\ntry: main()\nfinally: print('sympy' in sys.modules)"
+    )
+    done = process("check", "pair.yaml", cwd=tmp_path, python=(str(installed), "-E", "-c", probe))
+    assert (done.code, done.out.splitlines()[-1]) == (0, "False"), done
+
+
+def test_the_dependencies_that_one_command_needs_are_extras(wheel: Path) -> None:
+    (name,) = (n for n in zipfile.ZipFile(wheel).namelist() if n.endswith(".dist-info/METADATA"))
+    required = [
+        line.removeprefix("Requires-Dist: ")
+        for line in zipfile.ZipFile(wheel).read(name).decode().splitlines()
+        if line.startswith("Requires-Dist: ")
+    ]
+    always = {re.split(r"[<>=!~\[; ]", line)[0] for line in required if "extra ==" not in line}
+    assert not always & {"scipy", "xacro", "defusedxml", "distributed"} and {"sympy", "casadi"} <= always
+    assert not [line for line in required if line.startswith("wmrgen-")], "no such distribution exists"
 
 
 def test_the_declared_version_is_the_package_s(wheel: Path) -> None:

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import tree
-from wmrgen.derivation.artifacts import MANIFEST, differences, write_file, write_tree
+from wmrgen.derivation.artifacts import differences, write_file, write_tree
+from wmrgen.derivation.manifest import MANIFEST
 from wmrgen.errors import EnvironmentFailure
 
 OLD = {"a.c": b"old a", "b.h": b"old b", "c.json": b"same"}
@@ -141,13 +142,15 @@ def test_a_file_moves_into_a_folder(place: Path) -> None:
     assert tree(place).keys() == {*moved, MANIFEST} and not differences(place, moved)
 
 
-@pytest.mark.parametrize("step", ["fsync", "mkdtemp"])
+@pytest.mark.parametrize("step", ["write_bytes", "mkdtemp"])
 def test_a_full_disk_leaves_the_old_files(place: Path, monkeypatch: pytest.MonkeyPatch, step: str) -> None:
     def full(*_: object, **__: object) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     before = tree(place)
-    monkeypatch.setattr({"fsync": "os.fsync", "mkdtemp": "tempfile.mkdtemp"}[step], full)
+    monkeypatch.setattr(
+        {"write_bytes": "pathlib.Path.write_bytes", "mkdtemp": "tempfile.mkdtemp"}[step], full
+    )
     with pytest.raises(EnvironmentFailure, match=": No space left"):
         write_tree(place, NEW)
     assert tree(place) == before

@@ -65,12 +65,7 @@ def test_check_without_the_library(
     write_tree(tmp_path / "generated" / "textbook", {"textbook.c": b"the library"})
     (tmp_path / "generated" / "pair" / "pair.c").unlink()
     done = wmrgen_cli("check")
-    assert (
-        done.code == 4
-        and "wmrgen[textbook]" in done.err
-        and "pip install ./textbook" in done.err
-        and "pair.c: missing" in done.out
-    )
+    assert done.code == 4 and "WMR114" in done.err and "pair.c: missing" in done.out
 
 
 @pytest.mark.slow
@@ -87,6 +82,7 @@ def test_written_and_checked(wmrgen_cli: Cli, tmp_path: Path, monkeypatch: pytes
     kept = {
         k: v for k, v in tree(ROOT / "generated").items() if k.startswith("textbook/") or k == "errata.md"
     }
+    del made["textbook/manifest.json"], kept["textbook/manifest.json"]  # it records versions of libraries
     assert {k: v for k, v in made.items() if not k.startswith("unicycle/")} == kept
     assert wmrgen_cli("check").code == 0
     again = wmrgen_cli("textbook")

@@ -1,30 +1,32 @@
-"""``wmrgen list``: the robots that come with wmrgen, which a robot file may begin as.
-
-``wmrgen gallery``: pages of those that are derived.
-"""
+"""``wmrgen list`` prints the robots that come with wmrgen; ``wmrgen gallery`` writes pages of derived robots."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
-import wmrgen
 from wmrgen.cli import console
-from wmrgen.derivation.artifacts import Difference, file_difference, write_file
+from wmrgen.derivation import freshness
+from wmrgen.derivation.artifacts import Difference, file_difference, write_tree
+from wmrgen.derivation.manifest import PAGES, sha256
 from wmrgen.errors import UsageError
 from wmrgen.robotfile.shipped import shipped
 
+TABLE = "gallery.json"  # beside the robot files; `make generate` writes it
+
 
 def gallery() -> dict[str, Path]:
-    """Name -> robot file, in the order of names."""
+    """Return the robot files that come with wmrgen, by name of the robot."""
     return {path.stem: path for path in sorted(shipped("robots").glob("*.yaml"))}
 
 
 def list_robots(as_json: bool) -> int:
-    """Print name, degrees and description of every robot of the gallery."""
-    rows = [_row(path) for path in gallery().values()]
+    """Print name, degrees and description of every robot that comes with wmrgen, from the table beside their files."""
+    table = json.loads((shipped("robots") / TABLE).read_bytes())
+    rows = table["robots"]
     if as_json:
-        console.data({"robots": rows})
+        console.data(table)
         return 0
     width = max(len(row["name"]) for row in rows)
     for row in rows:
@@ -32,46 +34,82 @@ def list_robots(as_json: bool) -> int:
         degenerate = ", degenerate" if row["degenerate"] else ""
         console.result(f"{row['name']:<{width}}  {degrees}  {row['description']}{degenerate}")
     console.note(
-        "Degrees are (mobility, steerability). `wmrgen new MY_ROBOT --from NAME` begins as one of them."
+        "Degrees are (mobility, steerability). `wmrgen new MY_ROBOT --from NAME` starts from a robot."
     )
     return 0
 
 
-def _row(path: Path) -> dict[str, Any]:
-    robot = wmrgen.load(path)
-    m = wmrgen.derive(robot).mobility
-    return {
-        "name": robot.name,
-        "degree_of_mobility": m.degree_of_mobility,
-        "degree_of_steerability": m.degree_of_steerability,
-        "degree_of_maneuverability": m.degree_of_maneuverability,
-        "degenerate": m.robot_type is None,
-        "description": robot.description,
-    }
+def table_of_robots() -> dict[str, Any]:
+    """Derive every robot that comes with wmrgen, and return the content of the table that `list_robots` prints."""
+    import wmrgen
+
+    rows = []
+    for path in gallery().values():
+        robot = wmrgen.load(path)
+        mobility = wmrgen.derive(robot).mobility
+        rows.append(
+            {
+                "name": robot.name,
+                "degree_of_mobility": mobility.degree_of_mobility,
+                "degree_of_steerability": mobility.degree_of_steerability,
+                "degree_of_maneuverability": mobility.degree_of_maneuverability,
+                "degenerate": mobility.robot_type is None,
+                "description": robot.description,
+            }
+        )
+    return {"robots": rows}
 
 
 def write_gallery(out: Path, as_json: bool) -> int:
-    """Write the pages of all robots under ``out``, and say so."""
+    """Write the pages of all robots in ``out``, and print what changed."""
+    comparable = freshness.can_compare()
     from wmrgen.report.pages.overview import overview
 
     pages = overview(out)
     if not pages:
         raise UsageError(
-            f"no robot stands in {out.as_posix()}/. Derive some into it: wmrgen derive ROBOT.yaml -o DIR"
+            f"there is no robot in {out.as_posix()}/. Derive some into it: wmrgen derive ROBOT.yaml -o DIR"
         )
-    changed = [name for name, content in pages.items() if write_file(out / name, content)]
+    changed = write_tree(out, pages, None, _inputs(out) if comparable else None).changed
     if as_json:
-        console.data({"changed": changed, "unchanged": [name for name in pages if name not in changed]})
+        unchanged = [name for name in pages if name not in changed]
+        console.data({"changed": [name for name in pages if name in changed], "unchanged": unchanged})
         return 0
     for name in pages:
         console.result(f"{(out / name).as_posix()} ({'new or changed' if name in changed else 'up to date'})")
     return 0
 
 
-def differing_gallery(out: Path) -> list[Difference]:
-    """Which pages are not as `write_gallery` would leave them; nothing is asked of a directory that has none."""
-    from wmrgen.report.pages.overview import PAGES, overview
+def differing_gallery(out: Path, comparable: bool) -> list[Difference]:
+    """Return which pages are out of date; none if ``out`` has no pages.
 
+    Args:
+        out: The output directory.
+        comparable: Whether pages are taken as fresh by their manifest, see `freshness.can_compare`.
+
+    Returns:
+        The pages.
+    """
     if not any((out / name).exists() for name in PAGES):
         return []
-    return [d for name, content in overview(out).items() for d in file_difference(out / name, content)]
+    manifest = freshness.fresh(out, _inputs(out)) if comparable else None
+    if manifest and set(manifest.files) == set(PAGES):
+        return []
+    from wmrgen.report.pages.overview import overview
+
+    found = []
+    for name, content in overview(out).items():
+        found += file_difference(out / name, content)
+    return found
+
+
+def _inputs(out: Path) -> dict[str, str]:
+    """Return what the pages are made from: the model of each robot, and which pictures it has."""
+    inputs = freshness.inputs()
+    if not inputs:
+        return {}
+    robots = []
+    for path in sorted(out.glob("*/model.json")):
+        pictures = sorted(p.name for p in path.parent.iterdir() if p.suffix in (".svg", ".html"))
+        robots.append(f"{path.parent.name} {sha256(path.read_bytes())} {' '.join(pictures)}")
+    return {**inputs, "robots": sha256("\n".join(robots).encode())}

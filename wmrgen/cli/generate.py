@@ -1,24 +1,34 @@
-"""What stands in the output directory: robot files in, folders of generated files out.
+"""``wmrgen derive`` writes the generated files of robots; ``wmrgen check`` says which of them are out of date.
 
-``wmrgen derive`` writes them, ``wmrgen check`` says whether they are those of today.
+Both skip a robot whose files are fresh, see `wmrgen.derivation.freshness`. This module is imported before that is
+known, so it imports nothing that takes long.
 """
 
 from __future__ import annotations
 
+import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import wmrgen
 from wmrgen.cli import console
-from wmrgen.cli.loading import linted, noted, warn_of_gains
-from wmrgen.codegen.registry import BACKENDS
-from wmrgen.derivation.artifacts import Difference, Written, differences, made_with, write_tree
+from wmrgen.cli.parallel import in_order, processes_for
+from wmrgen.derivation import freshness
+from wmrgen.derivation.artifacts import Difference, Written, differences, write_tree
+from wmrgen.derivation.manifest import (
+    MANIFEST,
+    PAGES,
+    Manifest,
+    listed_files,
+    recorded_inputs,
+    recorded_options,
+    unlisted,
+)
 from wmrgen.errors import ErrorCollector, NotDerivableError, StaleError, UsageError, WmrgenError
 
 if TYPE_CHECKING:
-    from wmrgen.codegen.packages import Package
     from wmrgen.derivation.facade import Derivation
     from wmrgen.geometry.layout.records import Robot
     from wmrgen.ir.kernels.choice import Choice
@@ -29,6 +39,58 @@ _WHY = {
     "differs": "not what the robot file gives today",
     "not produced": "no robot file produces it",
 }
+_MODEL = "model.json"
+_PACKAGE = "package-"  # begins the names of folders of packages
+_KIND = "package"  # the entry of a package's manifest that names its kind
+
+# Robot files that were read before the workers started: a worker that is a fork need not read them again.
+_read: dict[Path, tuple[RobotSpec, Robot]] = {}
+
+
+class Request(NamedTuple):
+    """What to generate of one robot file."""
+
+    path: Path
+    scalar: str  # float or double
+    math: str  # inline or libm
+    target: str  # processor of the C
+    switches: tuple[str, ...]  # of fuzz, batch
+    formats: tuple[str, ...]  # of html, pdf
+    packages: tuple[str, ...]  # kinds of packages
+    sketch: bool  # whether a terminal shows a top view
+
+    @property
+    def options(self) -> dict[str, str]:
+        """The options that the manifest of the robot's folder records."""
+        report = {"formats": " ".join(self.formats)} if self.formats else {}
+        return self.package_options | report
+
+    @property
+    def package_options(self) -> dict[str, str]:
+        """The options that the manifest of a package records."""
+        choice = {"scalar": self.scalar, "math": self.math, "target": self.target}
+        return choice | dict.fromkeys(self.switches, "yes")
+
+
+class Derived(NamedTuple):
+    """What a worker made of a robot file."""
+
+    name: str
+    files: dict[str, bytes]  # of the robot's folder, by name
+    packages: dict[str, dict[str, bytes]]  # folder of packages -> files of this robot's
+    remarks: list[str]  # notes, findings and warnings, in order
+    reason: str  # why the robot has its degrees; may be empty
+    sketch: list[str]  # lines of the top view
+    unproved: str  # functions without proved bounds, although the robot has limits
+    error: WmrgenError | None = None  # why there is nothing else
+
+
+class Task(NamedTuple):
+    """A robot file that `derive` was given."""
+
+    path: Path
+    inputs: dict[str, str]  # what its files are made from; empty if that cannot be recorded
+    fresh: tuple[str, Manifest] | None  # name of the robot and its manifest, if nothing has to be derived
 
 
 def derive(
@@ -43,77 +105,181 @@ def derive(
     package: Sequence[str] | None,
     html: bool,
     pdf: bool,
+    jobs: int | None,
 ) -> int:
-    """Derive every robot, then write every robot, then print."""
-    from wmrgen.ir.kernels.choice import choice
-
-    kinds: list[Package] = []
-    if package:
-        from wmrgen.codegen.packages import of_kinds
-
-        kinds = of_kinds(package)
-    chosen = choice(scalar, math, target)
-    formats = [name for name, wanted in (("html", html), ("pdf", pdf)) if wanted]
-    switches = [name for name, wanted in (("fuzz", fuzz), ("batch", batch)) if wanted]
-    results: list[tuple[Derivation, dict[str, bytes]]] = []
-    with console.progress() as step:
-        files_read = _load_all(robots)
-        # This loads sympy, for which a file that is refused need not wait.
-        from wmrgen.derivation.emit import MODEL, artifacts
-        from wmrgen.derivation.emit import package as packaged
-
-        for spec, robot in files_read:
-            step(f"deriving {robot.name} ({len(results) + 1} of {len(robots)})")
-            derivation = derived(spec, robot)
-            files = artifacts(derivation, chosen, switches)
-            if formats:
-                from wmrgen.report.pages.formats import formatted
-
-                files |= formatted(derivation, files, formats)
-            results.append((derivation, files))
-    packages = [
-        (out / kind.folder / d.robot.name, packaged(kind, d, chosen, files))
-        for d, files in results
-        for kind in kinds
-    ]
-    options = _options(chosen, switches, formats)
-    written = [write_tree(out / d.robot.name, files, options) for d, files in results]
-    for folder, files in packages:
-        write_tree(folder, files, _options(chosen, switches))
+    """Derive the robots whose files are not fresh, then write all of them, then print."""
+    comparable = freshness.can_compare()
+    request = Request(
+        path=Path(),
+        scalar=scalar,
+        math=math or ("inline" if scalar == "float" else "libm"),  # the same default as `choice`
+        target=target,
+        switches=tuple(name for name, wanted in (("fuzz", fuzz), ("batch", batch)) if wanted),
+        formats=tuple(name for name, wanted in (("html", html), ("pdf", pdf)) if wanted),
+        packages=tuple(package or ()),
+        sketch=len(robots) == 1 and not as_json and console.on_a_terminal(),
+    )
+    tasks = [_task(path, out, request, comparable) for path in robots]
+    made = _derive_all(tasks, request, jobs)
+    written = _write_all(tasks, made, out, request)
     if as_json:
-        models = [files[MODEL].decode().rstrip("\n") for _, files in results]
-        console.result(models[0] if len(models) == 1 else '{"robots": [\n' + ",\n".join(models) + "\n]}")
+        _print_models(tasks, made, out)
         return 0
-    for (derivation, _), changes in zip(results, written, strict=True):
-        _summary(derivation, changes, out, len(results) == 1)
-    for folder, files in packages:
-        console.result(f"  {folder.as_posix()}/: {' '.join(files)}")
+    for task in tasks:
+        if task.fresh:
+            _tell_fresh(*task.fresh, out)
+        else:
+            _tell_derived(made[task.path], written[task.path], out)
+    for task in tasks:
+        name = task.fresh[0] if task.fresh else made[task.path].name
+        for kind in dict.fromkeys(request.packages):
+            folder = out / f"{_PACKAGE}{kind}" / name
+            console.result(f"  {folder.as_posix()}/: {' '.join(listed_files(folder))}")
     return 0
 
 
-def _options(choice: Choice, switches: Sequence[str], formats: Sequence[str] = ()) -> dict[str, str]:
-    """What the manifest of a folder notes of how its files were made."""
-    said = dict.fromkeys(switches, "yes") | ({"formats": " ".join(formats)} if formats else {})
-    return choice.words() | said
+def _task(path: Path, out: Path, request: Request, comparable: bool) -> Task:
+    """Return what has to be done for a robot file. A robot with remarks is derived again, so that they are repeated."""
+    content = freshness.robot_bytes(path) if comparable else None
+    if content is None:
+        return Task(path, {}, None)
+    inputs = freshness.inputs(content)
+    name = freshness.name_in(content)
+    manifest = freshness.fresh(out / name, inputs, request.options) if name else None
+    if name is None or manifest is None or freshness.REMARKS in manifest.made_from:
+        return Task(path, inputs, None)
+    for kind in request.packages:
+        folder = out / f"{_PACKAGE}{kind}" / name
+        if not freshness.fresh(folder, _package_inputs(inputs, kind), request.package_options):
+            return Task(path, inputs, None)
+    return Task(path, inputs, (name, manifest))
 
 
-def derived(spec: RobotSpec, robot: Robot) -> Derivation:
-    """The derivation of a robot, with its notes and likely mistakes told. NotDerivableError for one that stops it."""
+def _package_inputs(inputs: Mapping[str, str], kind: str) -> dict[str, str]:
+    """Return what the manifest of a package records; nothing if the robot's records nothing."""
+    return {**inputs, _KIND: kind} if inputs else {}
+
+
+def _derive_all(tasks: Sequence[Task], request: Request, jobs: int | None) -> dict[Path, Derived]:
+    """Derive the robots that are not fresh; no file is written before all robot files are read and all are derived."""
+    names: dict[str, Path] = {}
+    for task in tasks:
+        if task.fresh:
+            _take_name(names, task.fresh[0], task.path)
+    paths = [task.path for task in tasks if not task.fresh]
+    if not paths:
+        return {}
+    from wmrgen.ir.kernels.choice import choice
+
+    choice(request.scalar, request.math, request.target)  # refuses what does not go together
+    if request.packages:
+        from wmrgen.codegen.packages import of_kinds
+
+        of_kinds(request.packages)  # refuses unknown kinds
+    made: dict[Path, Derived] = {}
+    with console.progress() as step:
+        _load_all(paths, names)
+        import wmrgen.derivation.emit  # noqa: F401  sympy: a file that is refused need not wait for it
+
+        requests = [request._replace(path=path) for path in paths]
+        results = in_order(derive_one, requests, processes_for(len(paths), jobs))
+        for number, path in enumerate(paths, 1):
+            step(f"deriving {_read[path][1].name} ({number} of {len(paths)})")
+            made[path] = next(results)
+            for remark in made[path].remarks:
+                console.note(remark)
+            if error := made[path].error:
+                raise error
+    return made
+
+
+def _take_name(names: dict[str, Path], name: str, path: Path) -> None:
+    """Record the name of a robot. UsageError if another file has it too."""
+    word = name.lower()  # some disks do not distinguish upper and lower case
+    if word in names:
+        raise UsageError(f"{path} and {names[word]} both describe a robot called {name}")
+    names[word] = path
+
+
+def _load_all(paths: Sequence[Path], names: dict[str, Path]) -> None:
+    """Read all robot files, so that a bad one leaves nothing behind, and check that no two robots have one name."""
+    collector = ErrorCollector()
+    for path in paths:
+        with collector:
+            _read[path] = wmrgen.read(path)
+    collector.end()
+    for path in paths:
+        _take_name(names, _read[path][1].name, path)
+
+
+def derive_one(request: Request) -> Derived:
+    """Derive one robot; a mistake in its file is returned as ``error``."""
+    from wmrgen.codegen.packages import of_kinds
+    from wmrgen.codegen.registry import BACKENDS
+    from wmrgen.derivation.emit import artifacts
+    from wmrgen.derivation.emit import package as packaged
+    from wmrgen.ir.kernels.choice import choice
+
+    spec, robot = _read.get(request.path) or wmrgen.read(request.path)
+    remarks: list[str] = []
+    try:
+        derivation = derived(spec, robot, remarks.append)
+        chosen = choice(request.scalar, request.math, request.target)
+        files = artifacts(derivation, chosen, request.switches)
+        if request.formats:
+            from wmrgen.report.pages.formats import formatted
+
+            files |= formatted(derivation, files, request.formats)
+        packages = {}
+        for kind in of_kinds(request.packages):
+            packages[kind.folder] = packaged(kind, derivation, chosen, files)
+        sketch = BACKENDS["drawing"].offers("sketch")(robot) if request.sketch else []
+        unproved = [f.name for f in derivation.bounds.functions if f.alarms]
+        reason = derivation.mobility.deciding.partition("\n")[0]
+    except WmrgenError as error:
+        return Derived(robot.name, {}, {}, remarks, "", [], "", error)
+    return Derived(robot.name, files, packages, remarks, reason, sketch, ", ".join(unproved))
+
+
+def derived(spec: RobotSpec, robot: Robot, say: Callable[[str], None] = console.note) -> Derivation:
+    """Return the derivation of a robot after its notes and likely mistakes are reported.
+
+    Args:
+        spec: What the robot file says.
+        robot: The robot that it describes.
+        say: Called with each note, finding and warning.
+
+    Returns:
+        The derivation.
+
+    Raises:
+        NotDerivableError: A finding stops the derivation, or the robot cannot have a function that the file requests.
+    """
+    from wmrgen.cli.loading import linted
+    from wmrgen.geometry.notation import plain
+
     derivation = wmrgen.derive(robot)
     findings = linted(spec, derivation)
-    noted(robot, but={finding.what for finding in findings})
-    warn_of_gains(robot, asked="goto_pose" in robot.functions)
+    reported = {finding.what for finding in findings}
+    for note in map(plain, robot.notes):
+        if note not in reported:
+            say(f"note: {robot.name}: {note}")
+    if robot.gains:
+        from wmrgen.functions.control.gains import warnings
+
+        for warning in warnings(robot, "goto_pose" in robot.functions):
+            say(f"warning: {robot.name}: {warning}")
     for finding in findings:
         if finding.stops:
             ignored = f"To derive it all the same write beside the line: # wmrgen: ignore {finding.code}"
             raise NotDerivableError(finding.what, finding.mark, finding.instead, ignored, finding.code)
-        console.note(str(finding))
+        say(str(finding))
     _refuse_functions(spec, derivation)
     return derivation
 
 
 def _refuse_functions(spec: RobotSpec, derivation: Derivation) -> None:
-    """NotDerivableError for all functions that the robot file asks for and the robot does not have, where it asks."""
+    """Raise one NotDerivableError for all requested functions that the robot cannot have, each at its place."""
     lacking = []
     for name, mark in spec.functions:
         try:
@@ -127,86 +293,146 @@ def _refuse_functions(spec: RobotSpec, derivation: Derivation) -> None:
         raise joined
 
 
-def _load_all(paths: Sequence[Path]) -> list[tuple[RobotSpec, Robot]]:
-    """All robots, before any is derived: a bad file must leave nothing behind. Names are unique."""
-    collector, robots = ErrorCollector(), []
-    for path in paths:
-        with collector:
-            robots.append(wmrgen.read(path))
-    collector.end()
-    seen: dict[str, Path] = {}
-    for (_, robot), path in zip(robots, paths, strict=True):
-        word = robot.name.lower()  # disks may not tell folders apart by case
-        if word in seen:
-            raise UsageError(f"{path} and {seen[word]} both describe a robot called {robot.name}")
-        seen[word] = path
-    return robots
+def _recorded(made: Derived, inputs: Mapping[str, str]) -> dict[str, str]:
+    """Return the inputs for the manifest, with the number of remarks if there are any."""
+    count = len(made.remarks) + bool(made.unproved)
+    return {**inputs, freshness.REMARKS: str(count)} if inputs and count else dict(inputs)
 
 
-def _summary(derivation: Derivation, written: Written, out: Path, alone: bool) -> None:
-    """What a robot is and what was written; on a terminal what it looks like, where it is the only one."""
-    m, name = derivation.mobility, derivation.robot.name
-    kind = "degenerate" if m.robot_type is None else f"type ({m.robot_type[0]}, {m.robot_type[1]})"
-    console.result(
-        f"{name}: {kind}, mobility {m.degree_of_mobility}, "
-        f"steerability {m.degree_of_steerability}, maneuverability {m.degree_of_maneuverability}",
-        "bold",
-    )
-    if m.deciding:
-        console.result(f"  {m.deciding.splitlines()[0]}")
-    if alone and console.on_a_terminal():
-        for line in BACKENDS["drawing"].offers("sketch")(derivation.robot):
-            console.result(f"    {line}".rstrip())
+def _write_all(
+    tasks: Sequence[Task], made: Mapping[Path, Derived], out: Path, request: Request
+) -> dict[Path, Written]:
+    """Write the folders of all robots, then their packages."""
+    written: dict[Path, Written] = {}
+    derived_tasks = [task for task in tasks if task.path in made]
+    for task in derived_tasks:
+        robot = made[task.path]
+        inputs = _recorded(robot, task.inputs)
+        written[task.path] = write_tree(out / robot.name, robot.files, request.options, inputs)
+    for task in derived_tasks:
+        robot = made[task.path]
+        for folder, files in robot.packages.items():
+            inputs = _package_inputs(task.inputs, folder.removeprefix(_PACKAGE))
+            write_tree(out / folder / robot.name, files, request.package_options, inputs)
+    return written
+
+
+def _print_models(tasks: Sequence[Task], made: Mapping[Path, Derived], out: Path) -> None:
+    models = []
+    for task in tasks:
+        content = (out / task.fresh[0] / _MODEL).read_bytes() if task.fresh else made[task.path].files[_MODEL]
+        models.append(content.decode().rstrip("\n"))
+    console.result(models[0] if len(models) == 1 else '{"robots": [\n' + ",\n".join(models) + "\n]}")
+
+
+def _tell_fresh(name: str, manifest: Manifest, out: Path) -> None:
+    """Print what a robot is, and that nothing was written."""
+    _tell_type(json.loads((out / name / _MODEL).read_bytes()))
+    files = [*manifest.files, MANIFEST]
+    console.result(f"  {(out / name).as_posix()}/ (all up to date): {_listed(files)}")
+
+
+def _tell_derived(made: Derived, written: Written, out: Path) -> None:
+    """Print what a robot is, and what was written."""
+    _tell_type(json.loads(made.files[_MODEL]))
+    if made.reason:
+        console.result(f"  {made.reason}")
+    for line in made.sketch:
+        console.result(f"    {line}".rstrip())
     files = written.changed + written.unchanged
     state = f"{len(written.changed)} new or changed" if written.changed else "all up to date"
-    console.result(f"  {(out / name).as_posix()}/ ({state}): {_listed(files)}")
-    unproved = [f.name for f in derivation.bounds.functions if f.alarms]
-    if unproved:
+    console.result(f"  {(out / made.name).as_posix()}/ ({state}): {_listed(files)}")
+    if made.unproved:
         console.note(
-            f"{name}: not proved, although limits are given: {', '.join(unproved)} (numerics.md says why)"
+            f"{made.name}: not proved, although limits are given: {made.unproved} (numerics.md says why)"
         )
     for file in written.removed:
-        console.note(f"{name}: removed {file}, which is no longer produced")
+        console.note(f"{made.name}: removed {file}, which is no longer produced")
+
+
+def _tell_type(model: Mapping[str, Any]) -> None:
+    """Print the degrees of a robot from its model.json."""
+    kind = model["robot_type"]
+    title = f"type ({kind[0]}, {kind[1]})" if kind else "degenerate"
+    console.result(
+        f"{model['name']}: {title}, mobility {model['degree_of_mobility']}, "
+        f"steerability {model['degree_of_steerability']}, maneuverability {model['degree_of_maneuverability']}",
+        "bold",
+    )
 
 
 def _listed(files: Sequence[str]) -> str:
-    """Names of files; where more than four end alike, how many they are."""
+    """Return the names of files in one line; more than four files with one ending are counted instead."""
     endings = [PurePosixPath(file).suffix for file in files]
     count = Counter(endings)
     words = {f"*{e} ({count[e]})" if count[e] > 4 else file for file, e in zip(files, endings, strict=True)}
     return " ".join(sorted(words))
 
 
-def check(robots: Sequence[Path] | None, out: Path, as_json: bool) -> int:
-    """Compare byte for byte; without ``robots``, every robots/*.yaml, and nothing else may stand under ``out``."""
+class Check(NamedTuple):
+    """A robot file whose generated files are to be compared."""
+
+    path: Path
+    out: Path
+
+
+class Checked(NamedTuple):
+    """How the generated files of a robot differ from what its file gives today."""
+
+    name: str
+    stale: list[Difference]
+    error: WmrgenError | None = None  # why the robot cannot be derived
+
+
+def check(robots: Sequence[Path] | None, out: Path, full: bool, jobs: int | None, as_json: bool) -> int:
+    """Compare generated files with what the robot files give today.
+
+    Args:
+        robots: Robot files. None: every robots/*.yaml, and nothing else may be in ``out``.
+        out: The folder that `derive` wrote to.
+        full: Derive every robot, whatever its manifest says.
+        jobs: How many processes derive; None to choose.
+        as_json: Print JSON.
+
+    Returns:
+        The exit code: 1 if a file is out of date, else that of the first robot that cannot be derived, else 0.
+    """
+    comparable = freshness.can_compare() and not full
     paths = robots or sorted(Path("robots").glob("*.yaml"))
     if not paths:
         raise UsageError("no robot file is given, and there is no robots/*.yaml here. Name a robot file.")
-    stale: list[Difference] = []
-    names: set[str] = set()
-    errors: list[WmrgenError] = []
+    checked: dict[Path, Checked] = {}
+    if comparable:
+        checked = {path: Checked(name, []) for path in paths if (name := _fresh_robot(path, out))}
+    stale_paths = [path for path in paths if path not in checked]
     with console.progress() as step:
-        for number, path in enumerate(paths, 1):
-            step(f"checking {path} ({number} of {len(paths)})")
-            try:
-                name, files = _differing_robot(path, out)
-            except WmrgenError as error:
-                errors.append(error)
-                continue
-            names.add(name)
-            stale += files
+        requests = [Check(path, out) for path in stale_paths]
+        results = in_order(check_one, requests, processes_for(len(requests), jobs))
+        for number, path in enumerate(stale_paths, 1):
+            step(f"checking {path} ({number} of {len(stale_paths)})")
+            checked[path] = next(results)
+    in_file_order = [checked[path] for path in paths]
+    errors = [robot.error for robot in in_file_order if robot.error]
+    stale = [difference for robot in in_file_order for difference in robot.stale]
     if not robots and not errors:
         from wmrgen.cli.gallery import differing_gallery
         from wmrgen.cli.textbook import differing_library
 
         try:
-            stale += differing_library(out)
+            stale += differing_library(out, comparable)
         except WmrgenError as error:  # the folder is here, the library is not
             errors.append(error)
-        stale += [*differing_gallery(out), *(Difference(p, "not produced") for p in _strangers(out, names))]
+        names = {robot.name for robot in in_file_order}
+        stale += [*differing_gallery(out, comparable), *_strangers(out, names, comparable)]
     for failure in errors:
         console.failure(str(failure))
     _tell_stale(stale, errors, len(paths), out, as_json)
+    if comparable and not stale and not errors and stale_paths and not as_json:
+        count = f"{len(stale_paths)} of {len(paths)}" if len(paths) > 1 else "the"
+        console.note(
+            f"The manifests of {count} robots record other inputs (wmrgen, Python or a library), so these robots were "
+            "derived to compare them. `wmrgen derive` updates the manifests."
+        )
     return errors[0].exit_code if errors else (StaleError.exit_code if stale else 0)
 
 
@@ -222,41 +448,68 @@ def _tell_stale(
         console.result(f"{file}: {why}")
     if stale:
         console.note(
-            "Run `wmrgen derive` on the robot files, then `wmrgen gallery`; remove what has no robot file."
+            "Run `wmrgen derive` on the robot files, then `wmrgen gallery`; remove files that have no robot file."
         )
     elif not errors:
         count = f"{robots} robot{'s' * (robots != 1)}"
         console.result(f"{count}: everything under {out.as_posix()}/ is up to date")
 
 
-def _differing_robot(path: Path, out: Path) -> tuple[str, list[Difference]]:
-    """The name of a robot, and which files of its folder and its packages are not what its file gives today."""
+def _fresh_robot(path: Path, out: Path) -> str | None:
+    """Return the name of a robot if its folder and its packages are fresh and have no other files, else None."""
+    content = freshness.robot_bytes(path)
+    name = freshness.name_in(content) if content else None
+    if content is None or name is None:
+        return None
+    inputs = freshness.inputs(content)
+    folders = {out / name: inputs}
+    for folder in out.glob(f"{_PACKAGE}*/{name}"):
+        folders[folder] = _package_inputs(inputs, folder.parent.name.removeprefix(_PACKAGE))
+    for folder, expected in folders.items():
+        manifest = freshness.fresh(folder, expected)
+        if manifest is None or unlisted(folder, list(manifest.files)):
+            return None
+    return name
+
+
+def check_one(request: Check) -> Checked:
+    """Derive one robot with the options that its manifests record, and compare its folder and its packages."""
     from wmrgen.codegen.packages import PACKAGES
     from wmrgen.derivation.emit import artifacts
     from wmrgen.derivation.emit import package as packaged
-    from wmrgen.ir.kernels.choice import noted as noted_choice
+    from wmrgen.ir.kernels.choice import noted as choice_of
 
-    robot = wmrgen.load(path)
-    derivation = wmrgen.derive(robot)
-    folders = {out / kind.folder / robot.name: kind for kind in PACKAGES.values()}
+    path, out = request
     stale: list[Difference] = []
-    for folder in (out / robot.name, *(folder for folder in folders if folder.is_dir())):
-        words = made_with(folder)
-        choice, formats = noted_choice(words), words.get("formats", "").split()
-        switches = [name for name in ("fuzz", "batch") if name in words]
-        files = artifacts(derivation, choice, switches)
-        if folder in folders:
-            files = packaged(folders[folder], derivation, choice, files)
-        if formats:
-            files |= _noted_formats(derivation, files, folder, formats)
-        stale += differences(folder, files, _options(choice, switches, formats))
-    return robot.name, stale
+    try:
+        robot = wmrgen.load(path)
+        derivation = wmrgen.derive(robot)
+        folders = {out / kind.folder / robot.name: kind for kind in PACKAGES.values()}
+        for folder in (out / robot.name, *(folder for folder in folders if folder.is_dir())):
+            words = recorded_options(folder)
+            choice, formats = choice_of(words), words.get("formats", "").split()
+            switches = [name for name in ("fuzz", "batch") if name in words]
+            files = artifacts(derivation, choice, switches)
+            if folder in folders:
+                files = packaged(folders[folder], derivation, choice, files)
+            if formats:
+                files |= _recorded_formats(derivation, files, folder, formats)
+            stale += differences(folder, files, _options(choice, switches, formats))
+    except WmrgenError as error:
+        return Checked("", [], error)
+    return Checked(robot.name, stale)
 
 
-def _noted_formats(
+def _options(choice: Choice, switches: Sequence[str], formats: Sequence[str]) -> dict[str, str]:
+    """Return the options as the manifest of a folder records them."""
+    report = {"formats": " ".join(formats)} if formats else {}
+    return choice.words() | dict.fromkeys(switches, "yes") | report
+
+
+def _recorded_formats(
     derivation: Derivation, files: Mapping[str, bytes], folder: Path, formats: Sequence[str]
 ) -> dict[str, bytes]:
-    """The report in the formats that a manifest notes; of a PDF, which browsers print unlike, what stands there."""
+    """Return the report in the formats that a manifest records. A PDF is taken as it is: browsers print differently."""
     from wmrgen.report.pages.formats import PDF, formatted
 
     again = formatted(derivation, files, [name for name in formats if name == "html"])
@@ -264,21 +517,27 @@ def _noted_formats(
     return {**again, PDF: printed.read_bytes()} if "pdf" in formats and printed.is_file() else again
 
 
-def _strangers(out: Path, names: set[str]) -> list[Path]:
-    """What stands under ``out``, or in a folder of packages there, and belongs to no robot."""
+def _strangers(out: Path, names: set[str], comparable: bool) -> list[Difference]:
+    """Return what is in ``out``, or in a folder of packages there, and belongs to no robot."""
     from wmrgen.cli.textbook import ERRATA, FOLDER
-    from wmrgen.codegen.packages import PACKAGES
-    from wmrgen.report.pages.overview import PAGES
 
-    packages = [kind.folder for kind in PACKAGES.values()]
-    places = {
-        out: {*names, FOLDER, ERRATA, *PAGES, *packages},
-        **{out / folder: names for folder in packages},
-    }
-    return [
-        p
-        for place, expected in places.items()
-        if place.is_dir()
-        for p in sorted(place.iterdir())
-        if p.name not in expected
-    ]
+    places = {out: {*names, FOLDER, ERRATA, *PAGES, MANIFEST}}
+    for folder in out.glob(f"{_PACKAGE}*"):
+        if _holds_packages(folder, names, comparable):
+            places[out].add(folder.name)
+            places[folder] = names
+    found = []
+    for place, expected in places.items():
+        if place.is_dir():
+            found += [path for path in sorted(place.iterdir()) if path.name not in expected]
+    return [Difference(path, "not produced") for path in found]
+
+
+def _holds_packages(folder: Path, names: set[str], comparable: bool) -> bool:
+    """Return whether a folder is one of packages: by a manifest in it that is fresh, else by its name."""
+    kind = folder.name.removeprefix(_PACKAGE)
+    if comparable and any(recorded_inputs(folder / name).get(_KIND) == kind for name in names):
+        return True
+    from wmrgen.codegen.packages import PACKAGES
+
+    return kind in PACKAGES

@@ -1,5 +1,5 @@
-"""Derivation: the facade over all stages of one robot.
+"""Derivation: the facade over all stages of one robot, and the files that are written for it.
 
-In comes a `Robot`; out come its matrices, formulas, functions and files, each computed when first asked for. The one
-writer of files is here. Back ends are called through their registry alone.
+In comes a `Robot`; out come its matrices, formulas, functions and files, each computed when it is first used. This room
+calls back ends only through their registry. It has the only module that writes files, and decides which are up to date.
 """

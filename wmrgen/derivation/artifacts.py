@@ -1,64 +1,95 @@
-"""Writing files: the only module that does.
+"""Write files: the only module that does.
 
-A set of files is staged beside its directory and synced; what changes is moved out, then the new files are moved in one
-by one, the manifest last: what a killed run leaves lacks files, and never has old and new ones. Files whose bytes are
-equal are left alone; files that the old manifest lists and that are no longer produced are removed. Nothing follows a
-symbolic link.
+The files of a directory are first written to a folder beside it. Then the old files that change are moved out, the new
+ones are moved in one by one, and the manifest last. A run that is killed in between leaves a directory that lacks
+files, never one that mixes old and new ones. Files with equal bytes are not touched. Files that the old manifest lists
+and that are no longer produced are removed. No symbolic link is followed. Nothing waits for the disk: after a power cut
+the hashes in the manifest show which files are damaged, and `wmrgen derive` makes them again.
 """
 
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import json
 import os
-import re
 import shutil
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path, PurePosixPath
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from wmrgen.derivation.manifest import (
+    MANIFEST,
+    Manifest,
+    checked_name,
+    listed_files,
+    recorded_inputs,
+    sha256,
+    unlisted,
+)
 from wmrgen.errors import EnvironmentFailure, UsageError
 
-MANIFEST = "manifest.json"
-BUDGET = "budget.json"  # what the C of a robot may cost; measured, written and held by `python -m benchmarks budgets`
 _STAGE = ".wmrgen-stage-"
-_MOST_MANIFEST = 1 << 18  # bytes; ours have some thousand
-_PART = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
 
 
 class Difference(NamedTuple):
-    """A file that is not what it should be: ``why`` is ``missing``, ``differs`` or ``not produced``."""
+    """A file that is not what it should be."""
 
     path: Path
-    why: str
+    why: str  # missing, differs or not produced
 
 
 class Written(NamedTuple):
-    """What a write did, as relative paths in order."""
+    """The files that a write changed, left alone and removed, as relative paths in order."""
 
     changed: tuple[str, ...]
     unchanged: tuple[str, ...]
     removed: tuple[str, ...]
 
 
-def with_manifest(files: Mapping[str, bytes], made_with: Mapping[str, str] | None) -> dict[str, bytes]:
-    """``files`` and, last, their manifest: the SHA-256 of each, by name, and the options they were made with."""
-    sums = {_checked(name): hashlib.sha256(files[name]).hexdigest() for name in sorted(files)}
-    options = {"made_with": dict(made_with)} if made_with else {}
-    text = json.dumps({"format": 1, **options, "files": sums}, indent=2) + "\n"
-    return {**{name: files[name] for name in sums}, MANIFEST: text.encode()}
+def with_manifest(
+    files: Mapping[str, bytes],
+    made_with: Mapping[str, str] | None,
+    made_from: Mapping[str, str] | None = None,
+) -> dict[str, bytes]:
+    """Return files and, as the last one, their manifest.
+
+    Args:
+        files: Name -> content.
+        made_with: The options of `derive`.
+        made_from: The inputs that the files were made from, see `freshness`; None: they are not recorded.
+
+    Returns:
+        Name -> content, in the order of names.
+    """
+    sums = {checked_name(name): sha256(files[name]) for name in sorted(files)}
+    manifest = Manifest(sums, made_with or {}, made_from or {})
+    return {**{name: files[name] for name in sums}, MANIFEST: manifest.encoded()}
 
 
 def write_tree(
-    directory: Path, files: Mapping[str, bytes], made_with: Mapping[str, str] | None = None
+    directory: Path,
+    files: Mapping[str, bytes],
+    made_with: Mapping[str, str] | None = None,
+    made_from: Mapping[str, str] | None = None,
 ) -> Written:
-    """Make ``directory`` hold ``files`` and their manifest. EnvironmentFailure when that cannot be done.
+    """Write files and their manifest to a directory, and remove what its old manifest lists beyond them.
 
-    Every file is staged before the first is replaced, so a full disk or a missing right changes nothing.
+    All files are written beside the directory before the first one is replaced, so a full disk or a missing right
+    changes nothing.
+
+    Args:
+        directory: Where to write.
+        files: Name -> content.
+        made_with: The options of `derive`, for the manifest.
+        made_from: The inputs that the files were made from, for the manifest.
+
+    Returns:
+        Which files changed.
+
+    Raises:
+        EnvironmentFailure: The directory cannot be written, or a link, a device or a folder is in the way.
     """
-    wanted = with_manifest(files, made_with)
+    wanted = with_manifest(files, made_with, made_from)
     try:
         with _made(directory.parent):
             for path in (directory.parent, directory):
@@ -73,22 +104,37 @@ def write_tree(
 def differences(
     directory: Path, files: Mapping[str, bytes], made_with: Mapping[str, str] | None = None
 ) -> list[Difference]:
-    """How ``directory`` differs from what `write_tree` would leave there, by file, in order; `BUDGET` may be there, and
-    what Python keeps beside a module that was imported."""
-    wanted = with_manifest(files, made_with)
-    unlike = []
+    """Return how a directory differs from what `write_tree` would leave there.
+
+    The inputs that its manifest records do not count: another version of a library may give the same files.
+
+    Args:
+        directory: The directory.
+        files: Name -> content.
+        made_with: The options of `derive`.
+
+    Returns:
+        The differences, in the order of files. A budget, and what Python writes beside an imported module, are none.
+    """
+    wanted = with_manifest(files, made_with, recorded_inputs(directory))
+    found = []
     for name, content in wanted.items():
-        unlike += file_difference(directory / name, content)
-    kept = {directory / name for name in (*wanted, BUDGET)}
-    extra = [p for p in sorted(directory.rglob("*")) if (p.is_symlink() or not p.is_dir()) and p not in kept]
-    return unlike + [Difference(p, "not produced") for p in extra if p.parent.name != "__pycache__"]
+        found += file_difference(directory / name, content)
+    return found + [Difference(path, "not produced") for path in unlisted(directory, list(wanted))]
 
 
 def write_file(path: Path, content: bytes) -> bool:
-    """Make one file, which belongs to no set, hold ``content``. True when it had to change. UsageError for a file name
-    that cannot be."""
+    """Write one file that belongs to no directory of ours.
+
+    Returns:
+        Whether the file changed.
+
+    Raises:
+        UsageError: The name cannot be a file's.
+        EnvironmentFailure: The file cannot be written.
+    """
     try:
-        _checked(path.name)
+        checked_name(path.name)
     except ValueError as error:
         raise UsageError(str(error)) from None
     try:
@@ -104,14 +150,13 @@ def write_file(path: Path, content: bytes) -> bool:
                 with tempfile.TemporaryDirectory(prefix=_STAGE, dir=path.parent) as staging:
                     _stage({Path(staging) / path.name: content})
                     (Path(staging) / path.name).replace(path)
-                _sync(path.parent)
                 return True
     except OSError as error:
         raise EnvironmentFailure(f"cannot write {path}: {error.strerror or error}") from error
 
 
 def file_difference(path: Path, content: bytes) -> list[Difference]:
-    """How one file differs from what `write_file` would leave there."""
+    """Return how one file differs from what `write_file` would leave there: one difference or none."""
     try:
         if not path.is_symlink() and not path.is_file():
             return [Difference(path, "missing")]
@@ -122,19 +167,11 @@ def file_difference(path: Path, content: bytes) -> list[Difference]:
 
 
 def write_log(text: str) -> Path:
-    """Keep the details of a failure in a new temporary file; its path."""
+    """Write the details of a failure to a new temporary file, and return its path."""
     handle, name = tempfile.mkstemp(prefix="wmrgen-", suffix=".log")
     with os.fdopen(handle, "w", encoding="utf-8", errors="backslashreplace") as stream:
         stream.write(text)
     return Path(name)
-
-
-def _checked(name: str) -> str:
-    """``name`` when it is a relative path of plain parts that stays inside its directory."""
-    parts = name.split("/")
-    if name == MANIFEST or not all(_PART.fullmatch(part) and not part.endswith(".") for part in parts):
-        raise ValueError(f"not a name for a generated file: {name!r}")
-    return name
 
 
 def _refuse_links(directory: Path, name: str) -> None:
@@ -162,7 +199,7 @@ def _refuse_link(path: Path) -> None:
 
 
 def _replace(directory: Path, wanted: dict[str, bytes]) -> Written:
-    old = _listed(directory)
+    old = listed_files(directory)
     for name in {*wanted, *old}:
         _refuse_links(directory, name)
     for name in wanted:
@@ -178,17 +215,16 @@ def _replace(directory: Path, wanted: dict[str, bytes]) -> Written:
         moved = [name for name in changed if name != MANIFEST]
         _exchange(directory, [*moved, *removed], moved, before, after)
         for folder in {(directory / name).parent for name in removed}:
-            with contextlib.suppress(OSError):  # the folder stays when something else is in it
+            with contextlib.suppress(OSError):  # something else is in the folder
                 folder.rmdir()
         if MANIFEST in changed:
             (after / MANIFEST).replace(directory / MANIFEST)
-    _sync(directory)
     return Written(tuple(changed), tuple(n for n in wanted if n not in changed), tuple(removed))
 
 
 def _exchange(directory: Path, old: Sequence[str], new: Sequence[str], before: Path, after: Path) -> None:
-    """Move ``old`` out to ``before``, all of it, then ``new`` in from ``after``: at no moment do both stand there.
-    Where one cannot be moved, all stand as they did."""
+    """Move all ``old`` files out to ``before``, then the ``new`` ones in from ``after``; both are never there together.
+    If a file cannot be moved, every move is undone."""
     out = [(directory / name, before / name) for name in old if (directory / name).exists()]
     completed: list[tuple[Path, Path]] = []
     try:
@@ -197,8 +233,6 @@ def _exchange(directory: Path, old: Sequence[str], new: Sequence[str], before: P
                 target.parent.mkdir(parents=True, exist_ok=True)
                 source.replace(target)
                 completed.append((source, target))
-            for folder in {path.parent for move in moves for path in move if path.is_relative_to(directory)}:
-                _sync(folder)
     except BaseException:
         for source, target in reversed(completed):
             target.replace(source)
@@ -217,54 +251,14 @@ def _same(path: Path, content: bytes) -> bool:
 
 
 def _stage(contents: Mapping[Path, bytes]) -> None:
-    """Write all files before the disk is waited for: it takes them together in a fraction of the time."""
     for path, content in contents.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)
-    for path in contents:
-        _sync(path)
-
-
-def _listed(directory: Path) -> list[str]:
-    """The names in the manifest that stands in ``directory``; none when there is no readable one."""
-    try:
-        return [_checked(name) for name in sorted(_manifest(directory)["files"])]
-    except (ValueError, TypeError, KeyError):
-        return []
-
-
-def made_with(directory: Path) -> dict[str, str]:
-    """The options that the manifest in ``directory`` notes; none where there is no readable one."""
-    options = _manifest(directory).get("made_with")
-    pairs = options.items() if isinstance(options, dict) else ()
-    return {key: value for key, value in pairs if isinstance(value, str)}
-
-
-def _manifest(directory: Path) -> dict[str, Any]:
-    path = directory / MANIFEST
-    try:
-        readable = path.is_file() and path.stat().st_size <= _MOST_MANIFEST
-        manifest = json.loads(path.read_bytes()) if readable else {}
-    except (OSError, ValueError, RecursionError):
-        return {}
-    return manifest if isinstance(manifest, dict) else {}
-
-
-def _sync(path: Path) -> None:
-    """Wait until the disk holds a file, or what a folder lists; POSIX alone can do the latter."""
-    folder = path.is_dir()
-    if folder and os.name != "posix":
-        return
-    handle = os.open(path, os.O_RDONLY if folder else os.O_RDWR)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 @contextlib.contextmanager
 def _made(directory: Path) -> Iterator[None]:
-    """With a folder and those above it; where what is done there fails, those that were made go again."""
+    """Make a folder and those above it; if the work inside fails, remove the folders that were made."""
     new = [path for path in (directory, *directory.parents) if not path.exists()]
     try:
         directory.mkdir(parents=True, exist_ok=True)
@@ -278,9 +272,9 @@ def _made(directory: Path) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _locked(directory: Path) -> Iterator[None]:
-    """Hold the directory against another wmrgen. Where a file system has no locks, go on without.
+    """Lock the directory against another wmrgen, and remove what a killed run staged there.
 
-    Who holds the lock may clear away the staging of a run that was killed.
+    On a file system without locks the work goes on without one.
     """
     try:
         import fcntl

@@ -1,4 +1,4 @@
-"""All files of one robot, in memory: model.json and what every backend makes, with what they say about themselves."""
+"""All generated files of one robot, in memory: model.json, and the files of every back end with their banners."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING, SupportsFloat
-
-import sympy
 
 from wmrgen.codegen.registry import BACKENDS, Entry, Facts, unasked
 from wmrgen.derivation.version import __version__
@@ -28,14 +26,21 @@ MODEL = "model.json"
 def artifacts(
     derivation: Derivation, choice: Choice = DEFAULT, switches: Collection[str] = ()
 ) -> dict[str, bytes]:
-    """File name -> content of everything that stands in ``DIR/<name>/``, the manifest aside.
+    """Return all files of the folder ``DIR/<name>/``, except the manifest.
 
-    ``choice`` is of the generated C. ``switches``: fuzz adds a fuzzing harness to it, batch functions over arrays.
+    Args:
+        derivation: The robot's derivation.
+        choice: Scalar type, sines and processor of the generated C.
+        switches: fuzz adds a fuzzing harness to the C, batch adds functions over arrays.
+
+    Returns:
+        File name -> content.
     """
     model = (json.dumps(derivation.model(), indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
     common = facts(derivation, choice, model)
     files = {MODEL: model}
-    for entry in sorted(unasked(), key=lambda entry: entry.source == "itself"):  # readers come last
+    # Back ends that describe the robot come last, because they refer to lines of the code.
+    for entry in sorted(unasked(), key=lambda entry: entry.source == "itself"):
         written = _written(entry, derivation, common, choice, switches)
         clash = files.keys() & written.keys()
         if clash:
@@ -50,7 +55,7 @@ def artifacts(
 def _written(
     entry: Entry, derivation: Derivation, common: Facts, choice: Choice, switches: Collection[str] = ()
 ) -> dict[str, bytes]:
-    """What a backend writes."""
+    """Return the files of one back end."""
     chosen = choice._asdict()
     options = {
         **{name: chosen[name] for name in entry.options},
@@ -64,7 +69,17 @@ def _written(
 def package(
     kind: Package, derivation: Derivation, choice: Choice, files: Mapping[str, bytes]
 ) -> dict[str, bytes]:
-    """File name -> content of a package of the robot; ``files``: its `artifacts`."""
+    """Return the files of a package of the robot.
+
+    Args:
+        kind: The kind of package.
+        derivation: The robot's derivation.
+        choice: Scalar type, sines and processor of the C.
+        files: The `artifacts` of the robot.
+
+    Returns:
+        File name -> content.
+    """
     from wmrgen.codegen.packages import packaged
 
     common = facts(derivation, choice, files[MODEL])
@@ -74,16 +89,25 @@ def package(
 
 
 def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:
-    """What the generated files say about themselves. The hash covers model, choice and version."""
+    """Return what the banners of generated files say.
+
+    Args:
+        derivation: The robot's derivation.
+        choice: Scalar type, sines and processor of the C.
+        model: The content of model.json.
+
+    Returns:
+        The facts. Their hash covers ``model``, ``choice`` and the version of wmrgen.
+    """
     digest = hashlib.sha256(model)
     digest.update(f"{' '.join(choice.words().values())} {__version__}".encode())
+    where = site(derivation)
     return Facts(
         description=derivation.robot.description,
         wheel_lines=wheel_lines(derivation.robot),
         model_hash=digest.hexdigest()[:32],
         wmrgen_version=__version__,
-        sympy_version=sympy.__version__,
-        site=(where := site(derivation)),
+        site=where,
         constants=constants(derivation.robot, where),
         vectors=derivation.vector_forms,
         written=derivation.raw_module,
@@ -91,16 +115,17 @@ def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:
 
 
 def _bound_lines(derivation: Derivation, choice: Choice) -> tuple[str, ...]:
-    """Nothing for double, which is not bounded."""
+    """Return the lines of the banner about proved bounds; none for double, for which nothing is proved."""
     if choice.scalar != DEFAULT.scalar:
         return ()
     return header_lines(derivation.bounds if choice == DEFAULT else derivation.bounds_of(choice))
 
 
 def site(derivation: Derivation) -> Site:
-    """Limits, pivots and reach of a robot as numbers; a wheel's own limit comes before the robot's.
+    """Return limits, pivots and reach of a robot as numbers.
 
-    A virtual wheel steers between the wheels that it stands for.
+    The limit of a wheel takes precedence over that of the robot. The steering range of a virtual wheel is from the
+    least to the largest angle of the wheels that it replaces.
     """
     robot = derivation.robot
     names = [*(name for name in robot.limits if name in TWIST_NAMES), GYRO.name]
@@ -124,8 +149,16 @@ _LIMITED = {port.name: port for port in (*TWIST, GYRO)} | JOINTS
 
 
 def constants(robot: Robot, where: Site) -> tuple[tuple[str, float, str], ...]:
-    """What a program may want to know of a robot file: name, nominal value in SI units, unit and what it is."""
-    numbers: list[tuple[str, float, str]] = [("wheels", len(robot.bodies), "how many wheels the robot has")]
+    """Return the numbers of a robot file that generated code offers as constants.
+
+    Args:
+        robot: The robot.
+        where: Its limits as numbers.
+
+    Returns:
+        Name, nominal value in SI units, and a text with the unit and the meaning, for each number.
+    """
+    numbers: list[tuple[str, float, str]] = [("wheels", len(robot.bodies), "number of wheels")]
     for w in robot.wheels:
         g = w.nominal
         lengths = (
@@ -162,7 +195,7 @@ _LEGEND: tuple[tuple[Callable[[Wheel], bool], str], ...] = (
 
 
 def wheel_lines(robot: Robot) -> tuple[str, ...]:
-    """The wheel table of a banner: one line per wheel in file order, then the legend that these wheels need."""
+    """Return the wheel table of a banner: one line per wheel in file order, then the legend for these wheels."""
     track = robot.effective_track
     turning = (f"effective track {_number(track.nominal)} m",) if track else ()
     legend = (text for concerns, text in _LEGEND if any(concerns(w) for w in robot.wheels))
@@ -170,7 +203,7 @@ def wheel_lines(robot: Robot) -> tuple[str, ...]:
 
 
 def wheel_line(wheel: Wheel) -> str:
-    """``left: fixed, x 0 m, y 0.1655 m, heading 0 deg, r 0.0975 m`` and what else the type has."""
+    """Return ``left: fixed, x 0 m, y 0.1655 m, heading 0 deg, r 0.0975 m`` and other lengths that the type has."""
     g, kind = wheel.nominal, wheel.kind
     quantities: tuple[tuple[bool, str, SupportsFloat, str], ...] = (
         (True, "x", g.x, "m"),
@@ -187,5 +220,5 @@ def wheel_line(wheel: Wheel) -> str:
 
 
 def _number(value: SupportsFloat) -> str:
-    """Six significant digits, no negative zero."""
+    """Return a number with six significant digits and without negative zero."""
     return f"{round(float(value), 12) + 0.0:.6g}"

@@ -1,4 +1,4 @@
-"""The content of model.json: the analysis as plain data, matrices as strings in Python syntax."""
+"""The content of model.json: the analysis as plain data, with matrices as strings in Python syntax."""
 
 from __future__ import annotations
 
@@ -28,10 +28,18 @@ FORMAT = 1
 def model(
     robot: Robot, mobility: Mobility, formulas: Module, code: Module, bounds: Bounds, space: StateSpace | None
 ) -> dict[str, Any]:
-    """Everything others may rely on, in contract order.
+    """Return the content of model.json, in the documented order.
 
-    ``formulas``: the functions as written; ``code``: those of the C, in operations; ``bounds``: of that code;
-    ``space``: the default state space, None where the robot has no model of motion.
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        formulas: The functions as their formulas are written.
+        code: The functions of the C, in operations.
+        bounds: Proved bounds of ``code``.
+        space: The default state space; None if the robot has no model of motion.
+
+    Returns:
+        What json.dumps takes.
     """
     c = constrain(robot, working_view)
     spins = [-dict(r.rates)[r.wheel.index, "spin"] for r in c.rolling]
@@ -69,7 +77,7 @@ def _state_space(space: StateSpace | None) -> dict[str, Any]:
 
 
 def _domains(robot: Robot, mobility: Mobility) -> dict[str, Any]:
-    """Where the models that the file asks for are singular: trailers that jack-knife among them."""
+    """Return where the models that the file requests are singular, as where a trailer jack-knifes."""
     names = [name for name in asked(robot) if has_system(name)]
     if not names:
         return {}
@@ -179,7 +187,7 @@ def _limits(limits: Mapping[str, Interval]) -> dict[str, list[float]]:
 
 
 def _of_joints(part: Robot | Wheel) -> dict[str, Any]:
-    """Noise, encoders and lag of the joints of a robot or a wheel, where it has some."""
+    """Return noise, encoders and lag of the joints of a robot or a wheel; a key is left out if it would be empty."""
     parts = ("proportional", "constant")
     facts = {
         "noise": {joint: {p: float(getattr(n, p)) for p in parts} for joint, n in part.noise.items()},
@@ -202,12 +210,12 @@ def _encoder(e: Encoder) -> dict[str, Any]:
 
 
 def strings(rows: Sequence[Sequence[Poly]]) -> list[list[str]]:
-    """A matrix of polynomials as strings."""
+    """Return a matrix of polynomials as strings."""
     return [[text(p) for p in row] for row in rows]
 
 
 def text(poly: Poly) -> str:
-    """A polynomial in plain Python syntax over parameter names, ``<wheel>_steer`` and sqrt sin cos."""
+    """Return a polynomial in Python syntax over parameter names, ``<wheel>_steer``, sqrt, sin and cos."""
     ordered = poly.ordered
     terms = (
         _term(coefficient, "*".join(_power(g, e) for g, e in monomial)) for monomial, coefficient in ordered

@@ -1,4 +1,4 @@
-"""What `prepare` computes so that code can tell whether tunable parameters give a geometry."""
+"""Checks of tunable parameters: values that `prepare` computes, and that are negative if they give no geometry."""
 
 from __future__ import annotations
 
@@ -20,14 +20,15 @@ from wmrgen.ir.nodes import Function, Module, Op, Port, Role
 from wmrgen.ir.pipeline import simplified
 from wmrgen.ir.rounding import to_float64, tuned
 
-_LOST = 1e-6  # of the largest a divisor may be: smaller ones are roundings of floats
+_LOST = 1e-6  # ratio of a divisor to its largest value; a smaller divisor may be nothing but rounding errors of floats
 
 
 def with_needs(module: Module, robot: Robot) -> Module:
-    """``module`` whose `prepare` also gives its ``needs``: what the robot file demands of values that are computed from
-    tunable parameters, and divisors of `prepare` for which no range shows that they are not 0.
+    """Return a module whose `prepare` also computes its ``needs``: values that must not be negative.
 
-    A parameter by itself has its range, which is enough for what it is multiplied by.
+    They stand for what the robot file requires of values computed from tunable parameters, and for the divisors of
+    `prepare` that may be 0 within the ranges of the parameters. A product of parameters needs no check, because each
+    parameter is kept in its range.
     """
     demanded = [need for need in robot.needs if not _is_product(need)]
     functions = [_demanded(robot, demanded)] if demanded else []
@@ -53,13 +54,13 @@ def with_needs(module: Module, robot: Robot) -> Module:
 
 
 def _is_product(need: Need) -> bool:
-    """Whether a value is a number times powers of parameters, whose own ranges keep it from 0."""
+    """Return whether a value is a number times powers of parameters; their ranges do not contain 0."""
     terms = [*need.value.terms]
     return len(terms) == 1 and all(gen.kind == "param" for gen, _ in terms[0])
 
 
 def _demanded(robot: Robot, demanded: list[Need]) -> Function:
-    """The values that the file demands, less what is too small to divide by."""
+    """Return the values that the file requires to be positive, less the smallest divisor."""
     ports = tunable_ports(robot)
     outputs = tuple(
         (
@@ -72,10 +73,10 @@ def _demanded(robot: Robot, demanded: list[Need]) -> Function:
 
 
 def _divisors(prepare: Function) -> Iterator[Function]:
-    """Of each divisor that may be 0 within the ranges of parameters: how far it is from being lost in rounding.
+    """Yield, for each divisor that may be 0 within the ranges of parameters, its size less that of rounding errors.
 
-    ``y: a - 0.95`` and its opposite for two wheels give 2 a**2 - 3.8 a + 1.805, of which rounding leaves 1e-7 where it
-    is 0.
+    Example: ``y: a - 0.95`` and its opposite for two wheels give the divisor 2 a**2 - 3.8 a + 1.805. Where it is 0,
+    float arithmetic gives 1e-7.
     """
     ranges = _ranges(prepare)
     least = {
@@ -99,7 +100,7 @@ def _divisors(prepare: Function) -> Iterator[Function]:
 
 
 def _ranges(prepare: Function) -> list[Interval]:
-    """Of every node, while parameters keep their ranges."""
+    """Return the interval of every node for parameters within their ranges."""
     inputs = {port.name: tuned(port) for port in prepare.inputs}
     everything = np.array([-np.inf]), np.array([np.inf])
     values: list[Interval] = []

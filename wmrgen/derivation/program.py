@@ -1,4 +1,4 @@
-"""The program of a robot: every function of its model in symbols, and lowered, optimised and cut for C."""
+"""The functions of a robot: which ones it has, in symbols, in operations, and as the C needs them."""
 
 from __future__ import annotations
 
@@ -27,23 +27,36 @@ if TYPE_CHECKING:
 
 
 class Program(NamedTuple):
-    """The formulas of a robot, in the order in which they are emitted."""
+    """The formulas of a robot, in the order in which they are generated."""
 
-    name: str
+    name: str  # of the robot
     formulas: tuple[Formula, ...]
 
     def formula(self, name: str) -> Formula:
-        """The formula called ``name``; KeyError when there is none."""
+        """Return the formula called ``name``. KeyError if there is none."""
         return {f.name: f for f in self.formulas}[name]
 
     def in_c(self, asked: Collection[str]) -> tuple[str, ...]:
-        """The functions that C has: those that firmware runs and those ``asked`` for."""
+        """Return the names of the functions in C: those that firmware runs, and those that the robot file requests."""
         names = (f.name for f in self.formulas)
         return tuple(n for n in names if n in asked or declaration(n).kind is Kind.FIRMWARE)
 
 
 def formula(robot: Robot, mobility: Mobility, name: str) -> Formula:
-    """One function. RobotFileError for an unknown name, NotDerivableError where the robot does not have it."""
+    """Build one function of a robot.
+
+    Args:
+        robot: The robot.
+        mobility: Its mobility.
+        name: The function.
+
+    Returns:
+        The function in symbols.
+
+    Raises:
+        RobotFileError: There is no function of this name.
+        NotDerivableError: The robot cannot have it.
+    """
     declared = declaration(name)
     built = declared.build(*((robot, mobility) if declared.contacts else driving(robot, mobility)))
     if not isinstance(built, Formula):
@@ -55,9 +68,11 @@ def formula(robot: Robot, mobility: Mobility, name: str) -> Formula:
 
 
 def _refuse_malformed(name: str, built: Formula) -> None:
-    """ValueError where the builder of ``name`` says what no code can be written of."""
+    """Raise ValueError if no code can be generated from what the builder of ``name`` returned."""
     if built.name != name:
-        raise ValueError(f"the builder of {name} calls its formula {built.name}: it bears the builder's name")
+        raise ValueError(
+            f"the builder of {name} calls its formula {built.name}; a formula has the name of its builder"
+        )
     for what, ports in (("input", built.inputs), ("output", [port for port, _ in built.outputs])):
         names = [port.name.replace(".", "_") for port in ports]
         for word in sorted({part for port in ports for part in port.name.split(".")}):
@@ -71,7 +86,7 @@ def _refuse_malformed(name: str, built: Formula) -> None:
 
 
 def _refuse_shared_names(robot: Robot, built: Formula) -> None:
-    """NotDerivableError where a tunable parameter has the name of another input: one value would stand for both."""
+    """Raise NotDerivableError if a tunable parameter has the name of another input of the function."""
     names = [p.name.replace(".", "_") for p in built.inputs]
     shared = [p.name for p in robot.tunable if names.count(p.name) > 1]
     if shared:
@@ -83,28 +98,35 @@ def _refuse_shared_names(robot: Robot, built: Formula) -> None:
 
 
 def standard(robot: Robot) -> tuple[str, ...]:
-    """The functions generated for a robot: the standard ones that it has, then those it asks for."""
+    """Return the functions generated for a robot: the standard ones that it has, then those that its file requests."""
     has = [d.name for d in standard_functions() if d.exists(robot)]
     return (*has, *(name for name in asked(robot) if name not in has))
 
 
 def asked(robot: Robot) -> tuple[str, ...]:
-    """The functions beyond the standard ones that a robot file asks for; `slip: true` asks for slip_inverse."""
+    """Return the functions that a robot file requests; ``slip: true`` requests slip_inverse."""
     slip = ("slip_inverse",) if robot.slip and "slip_inverse" not in robot.functions else ()
     return (*robot.functions, *slip)
 
 
 def with_calls(program: Program, plain: Module) -> Module:
-    """``plain``, the program's functions in operations, with calls of the kernels that the formulas name."""
+    """Return the functions in operations with calls of kernels; ``plain`` has the same functions without calls."""
     pairs = zip(program.formulas, plain.functions, strict=True)
     functions = tuple(lower(f, calls=True) if f.calls else function for f, function in pairs)
     return Module(program.name, functions, kernels=kernels_of(program.formulas))
 
 
 def optimised(module: Module, meaning: Module) -> Module:
-    """Every function once; forward also without its residual, inverse also in two: joints, and slip alone.
+    """Optimise every function of a module, and add the parts of `forward` and `inverse` that C and Python use.
 
-    ``meaning``: ``module`` in base operations, without calls of kernels.
+    `forward` exists also without its residual; `inverse` also as two functions, joints and slip.
+
+    Args:
+        module: The functions.
+        meaning: The same functions without calls of kernels; every pass is verified against them.
+
+    Returns:
+        The optimised functions and the parts.
     """
     whole = optimise(module.functions, module.name, module.kernels, meaning.functions)
     parts: list[Function] = []
@@ -121,7 +143,7 @@ def optimised(module: Module, meaning: Module) -> Module:
     return replace(whole, functions=(*whole.functions, *parts))
 
 
-# Functions that also exist without their output slip, and what those are called in Python.
+# The Python names of functions without their output slip.
 WITHOUT_SLIP = {"forward": "forward_twist", "inverse": "inverse_joints"}
 _IN_C = {
     "forward": {"forward_twist": "forward", "forward_residual": "forward_slip"},
@@ -130,11 +152,18 @@ _IN_C = {
 
 
 def for_c(module: Module, robot: Robot, functions: Iterable[str], passive: bool) -> Module:
-    """Of an `optimised` module: forward with and without the residual, inverse without slip, which has a function
-    of its own.
+    """Return the functions for C: `forward` with and without the residual, `inverse` and its slip separately.
 
-    Joints that are neither driven nor sensed are no outputs of what commands joints; ``passive``: they have functions
-    of their own, ``<function>_passive``.
+    Functions that command joints have no outputs for joints that are neither driven nor sensed.
+
+    Args:
+        module: The result of `optimised`.
+        robot: The robot.
+        functions: Names of the functions to generate.
+        passive: Add a function ``<function>_passive`` for the joints that are left out.
+
+    Returns:
+        The functions, and the names of the joints that the structs of C have.
     """
     chosen = [_IN_C.get(name, {name: name}) for name in functions]
     whole = select(module, {part: name for names in chosen for part, name in names.items()})
@@ -148,12 +177,12 @@ def for_c(module: Module, robot: Robot, functions: Iterable[str], passive: bool)
 
 
 def _useful(module: Module) -> Iterator[Function]:
-    """The functions without an `inverse_slip` that is 0 for every twist; `inverse` keeps it in mind."""
-    still = {f.name for f in module.functions if f.name == "inverse_slip" and _is_zero(f)}
+    """Yield the functions, except an `inverse_slip` that is 0 for every twist; `inverse` then lists slip as a zero."""
+    always_zero = {f.name for f in module.functions if f.name == "inverse_slip" and _is_zero(f)}
     for f in module.functions:
-        if f.name == "inverse" and still:
+        if f.name == "inverse" and always_zero:
             yield replace(f, zeros=("slip",))
-        elif f.name not in still:
+        elif f.name not in always_zero:
             yield f
 
 
@@ -163,18 +192,23 @@ def _is_zero(function: Function) -> bool:
 
 
 def _joints(robot: Robot, scaled: Collection[str] = (), every: bool = False) -> tuple[str, ...]:
-    """Contract names of the joints that are driven, sensed or have an encoder, in the file's order; of those that have
-    a limit of their own and are among ``scaled``, the joint rates that functions bring inside their limits; and the
-    steering angles of wheels with such a joint, or coupled to one, which `inverse` goes by."""
-    own = [
-        {"spin", "steer"}
-        if every
-        else {
-            *(*w.actuated, *w.sensed, *w.encoders),
-            *(name.partition("_")[0] for name in w.limits if f"{w.name}.{name}" in scaled),
-        }
-        for w in robot.wheels
-    ]
+    """Return the names of the joints that C commands or reads, in the order of the file.
+
+    These are the joints that are driven, sensed, have an encoder, or have a limit and are among ``scaled``. They also
+    include the steering angles of wheels with one of these joints, or coupled to one, because `inverse` reads them.
+
+    Args:
+        robot: The robot.
+        scaled: Joint rates that some function reduces to their limits.
+        every: Return all spins and steering angles.
+
+    Returns:
+        Names, as ``left.spin``.
+    """
+    own: list[set[str]] = []  # for each wheel, those of spin and steer that C has
+    for w in robot.wheels:
+        limited = {name.partition("_")[0] for name in w.limits if f"{w.name}.{name}" in scaled}
+        own.append({"spin", "steer"} if every else {*w.actuated, *w.sensed, *w.encoders, *limited})
     steered = {lead for w, lead in zip(robot.wheels, robot.steer_group, strict=True) if own[w.index]}
     names = []
     for w in robot.wheels:
@@ -187,7 +221,7 @@ def _joints(robot: Robot, scaled: Collection[str] = (), every: bool = False) -> 
 
 
 def _parts(function: Function, absent: frozenset[str], passive: bool) -> list[Function]:
-    """``function``, without the joints that are ``absent`` from C where it commands joints."""
+    """Return a function without the outputs for ``absent`` joints, and as a second part these outputs alone."""
     if function.limits not in (Limits.COMMANDED, Limits.ASKED):
         return [function]
     names = frozenset(port.name for port in function.outputs)
@@ -199,7 +233,7 @@ def _parts(function: Function, absent: frozenset[str], passive: bool) -> list[Fu
 
 
 def _with_read_inputs(function: Function, absent: frozenset[str]) -> Function:
-    """``function`` without those inputs among ``absent`` that it does not read."""
+    """Return a function without those of the ``absent`` joints among its inputs that it does not read."""
     read = {node.name for node in function.nodes if node.op is Op.INPUT}
     unread = tuple(name for name in absent if name not in read)
     inputs = tuple(port for port in function.inputs if port.name in read or not port.name.startswith(unread))
@@ -207,14 +241,23 @@ def _with_read_inputs(function: Function, absent: frozenset[str]) -> Function:
 
 
 def vector_forms(robot: Robot, space: StateSpace | None) -> tuple[VectorForm, ...]:
-    """All that `vector_form` gives of a state space. Nothing of none."""
+    """Return every `vector_form` of a state space; none without a state space."""
     forms = [vector_form(robot, space, name) for name in ("ode", "rolling", "limits")] if space else []
     return tuple(form for form in forms if form)
 
 
 def vector_form(robot: Robot, space: StateSpace, name: str) -> VectorForm | None:
-    """``ode``, ``rolling`` or ``limits``, optimised: x, u and p to the rates of x, to what has to be 0, or to what is
-    limited and is neither state nor input; None where nothing has to be 0, or nothing is limited so."""
+    """Return a function of the vectors x, u and p, optimised.
+
+    Args:
+        robot: The robot.
+        space: Its state space.
+        name: ode: the rates of x. rolling: the constraints, which are 0. limits: limited quantities that are neither
+            states nor inputs.
+
+    Returns:
+        The function; None if the robot has no such constraints or limits.
+    """
     result, formula = {
         "ode": ("xdot", space.rates),
         "rolling": ("g", space.constraints),
@@ -234,8 +277,11 @@ def vector_form(robot: Robot, space: StateSpace, name: str) -> VectorForm | None
 
 
 def _equivalents(formula: Formula, name: str) -> Iterator[Function]:
-    """``formula`` in operations, without guards of geometry: optimised for given geometry, for geometry that varies
-    as other inputs do, and as it is written."""
+    """Yield a formula in operations, without checks of geometry, in up to three equivalent forms.
+
+    The first is optimised for constant geometry, the second for geometry that varies like other inputs, the last one is
+    as the formula is written.
+    """
     plain = unguarded(lower(formula))
     yield from self_contained(optimise((plain,), name))
     roles = {port.name: port for port in plain.inputs}

@@ -1,3 +1,3 @@
-"""The version of wmrgen, which every generated file names."""
+"""The version of wmrgen; every generated file names it."""
 
 __version__ = "0.1.0"

@@ -11,7 +11,8 @@ import pytest
 from benchmarks import budgets
 from benchmarks.budgets import Budget, check, growth, measure, update
 from tests.robots import of_gallery
-from wmrgen.derivation.artifacts import BUDGET, differences, write_tree
+from wmrgen.derivation.artifacts import differences, write_tree
+from wmrgen.derivation.manifest import BUDGET
 
 
 @pytest.fixture(scope="module")

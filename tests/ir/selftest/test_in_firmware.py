@@ -13,7 +13,7 @@ from tests.codegen.c.harness import COMPILERS, EACH, STRICT
 from tests.conftest import Outcome, put, tree
 from tests.ir.selftest.every import files_of
 from wmrgen.codegen.compiler import compile_program, run_program
-from wmrgen.derivation.artifacts import MANIFEST
+from wmrgen.derivation.manifest import MANIFEST
 from wmrgen.errors import EnvironmentFailure
 
 FIRMWARE = """

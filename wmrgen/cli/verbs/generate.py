@@ -1,4 +1,4 @@
-"""What is made of a robot file: models, code, reports."""
+"""Commands that make something of a robot file: models, code, reports."""
 
 from __future__ import annotations
 
@@ -21,6 +21,13 @@ from wmrgen.cli.declare import (
 )
 
 verb = group("Generate")
+
+Jobs = Annotated[
+    int | None,
+    typer.Option(
+        "--jobs", metavar="N", min=1, help="Processes that derive several robots. Default: one a processor."
+    ),
+]
 
 
 def _kinds(incomplete: str) -> list[str]:
@@ -58,10 +65,12 @@ def derive(
         bool,
         typer.Option("--pdf", help="Write report.pdf too, by an installed Chromium, or pandoc and a TeX."),
     ] = False,
+    jobs: Jobs = None,
 ) -> None:
     """Example:  wmrgen derive robots/pioneer3dx.yaml -o build
 
-    Derive robots and write DIR/<name>/: model, report, C, CasADi, NumPy.
+    Derive robots and write DIR/<name>/: model, report, C, CasADi, NumPy. A robot whose files are up to date is not
+    derived again, unless there were notes or warnings about it.
     """
 
 
@@ -71,11 +80,16 @@ def check(
         list[Path] | None, argument("ROBOT.yaml...", "Default: robots/*.yaml.", robot_files)
     ] = None,
     out: Out = Path("generated"),
+    full: Annotated[
+        bool,
+        typer.Option("--full", help="Derive every robot, even if its manifest says that nothing changed."),
+    ] = False,
+    jobs: Jobs = None,
     as_json: Json = False,
 ) -> None:
     """Example:  wmrgen check
 
-    Say which generated files are not what the robot files give today. Exit code 1 when there are any.
+    Report which generated files are not what the robot files give today. Exit code 1 if there are any.
     """
 
 

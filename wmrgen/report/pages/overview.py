@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from wmrgen.codegen.render import render
+from wmrgen.derivation.manifest import PAGES
 from wmrgen.report.sections.markdown import escape
 
-PAGES = ("README.md", "index.html")
 _PICTURE = "layout.svg"
 _FIGURES = ("symbols", "motion", "singular", "reach", "wiring")
 _COUNTED = ("inverse", "forward", "odometry")

@@ -28,8 +28,12 @@ OPEN = {
     "report/pages/formats.py": "a template",
     "functions/registry.py": "sources of wmrgen, whose digest is recorded",
     "codegen/compiler.py": "a PDF that a browser has printed",
+    "derivation/freshness.py": "robot files and sources of wmrgen, for their digests",
+    "derivation/manifest.py": "manifests, and generated files for their digests",
     "cli/console.py": "standard streams",
-    "cli/generate.py": "a generated PDF",
+    "cli/generate.py": "generated models and a generated PDF",
+    "cli/gallery.py": "generated models",
+    "cli/textbook.py": "the generated errata",
 }
 OPENING = {"open", "fdopen", "read_bytes", "read_text", "fromfile", "memmap", "genfromtxt"}
 OTHERS = {("read_text", "Name"), ("open", "webbrowser")}  # our function that parses a text; a browser

@@ -47,7 +47,7 @@ HOMES = {
     "markdown_it": {"report/pages/document"},
     "webbrowser": {"cli/view"},
     "rich": {"cli/console"},
-    "typer": {"cli/commands", "cli/declare", "cli/verbs/generate"},
+    "typer": {"cli/commands", "cli/declare"},
     "defusedxml": {"tools/importing/read"},
     "xacro": {"tools/importing/xacro"},
 }

@@ -28,17 +28,17 @@ class Verb(NamedTuple):
 # The groups of the help, each with its verbs, in the order of the help.
 GROUPS: dict[str, tuple[Verb, ...]] = {
     "Robot files": (
-        Verb("list", "list", "List the robots that come with wmrgen."),
+        Verb("list", "gallery", "List the robots that come with wmrgen."),
         Verb("new", "new", "Start a robot file from a robot of the gallery."),
         Verb("import", "importing", "Make a robot file from a URDF, xacro or SDF."),
         Verb("fmt", "fmt", "Format robot files."),
         Verb("schema", "schema", "Print the JSON Schema of robot files."),
     ),
     "Generate": (
-        Verb("derive", "verbs.generate", "Derive robots and write their model, report and code."),
+        Verb("derive", "generate", "Derive robots and write their model, report and code."),
         Verb("view", "view", "Show robots in the browser and follow changes of their files."),
-        Verb("check", "verbs.generate", "List generated files that are out of date."),
-        Verb("gallery", "verbs.generate", "Write overview pages of all derived robots, with top views."),
+        Verb("check", "generate", "List generated files that are out of date."),
+        Verb("gallery", "gallery", "Write overview pages of all derived robots, with top views."),
         Verb("export", "export", "Describe a robot for another tool: URDF, SDF, ros2_control, WPILib."),
         Verb("textbook", "textbook", "Write the library of textbook formulas and the errata of the texts."),
     ),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
-from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -18,7 +17,6 @@ DECLARED: dict[
 
 
 Work = TypeVar("Work", bound=Callable[..., int])
-Declared = TypeVar("Declared", bound=Callable[..., None])
 
 
 def verb(name: str) -> Callable[[Work], Work]:
@@ -38,23 +36,6 @@ def verb(name: str) -> Callable[[Work], Work]:
         return work
 
     return register
-
-
-def group(title: str) -> Callable[..., Callable[[Declared], Declared]]:
-    """Return a decorator for verbs whose work is a function of the same name in another module of ``wmrgen.cli``."""
-
-    def declare(module: str, summary: str, name: str | None = None) -> Callable[[Declared], Declared]:
-        def register(declared: Declared) -> Declared:
-            @functools.wraps(declared)
-            def work(**options: Any) -> int:
-                return int(getattr(import_module(f"wmrgen.cli.{module}"), declared.__name__)(**options))
-
-            verb(name or declared.__name__)(work)
-            return declared
-
-        return register
-
-    return declare
 
 
 # ---- kinds of arguments and options
@@ -122,6 +103,11 @@ def robot_files(incomplete: str) -> list[str]:
         elif path.suffix in (".yaml", ".yml"):
             offered.append(str(path))
     return [text for text in offered if text.startswith(incomplete)]
+
+
+def count_option(name: str, text: str) -> Any:
+    """Return an option with a whole number of at least 1."""
+    return typer.Option(name, metavar="N", min=1, help=text, show_default=False)
 
 
 # ---- arguments and options of several verbs

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from wmrgen.cli import console
+from wmrgen.cli.declare import Json, Out, verb
 from wmrgen.derivation import freshness
 from wmrgen.derivation.artifacts import Difference, file_difference, write_tree
 from wmrgen.derivation.manifest import PAGES, sha256
@@ -21,8 +22,12 @@ def gallery() -> dict[str, Path]:
     return {path.stem: path for path in sorted(shipped("robots").glob("*.yaml"))}
 
 
-def list_robots(as_json: bool) -> int:
-    """Print name, degrees and description of every robot that comes with wmrgen, from the table beside their files."""
+@verb("list")
+def list_robots(as_json: Json = False) -> int:
+    """Example:  wmrgen list
+
+    List the robots that come with wmrgen: name, type (mobility, steerability) and description.
+    """
     table = json.loads((shipped("robots") / TABLE).read_bytes())
     rows = table["robots"]
     if as_json:
@@ -60,8 +65,13 @@ def table_of_robots() -> dict[str, Any]:
     return {"robots": rows}
 
 
-def write_gallery(out: Path, as_json: bool) -> int:
-    """Write the pages of all robots in ``out``, and print what changed."""
+@verb("gallery")
+def write_gallery(out: Out = Path("generated"), as_json: Json = False) -> int:
+    """Example:  wmrgen gallery -o generated
+
+    Write DIR/README.md and DIR/index.html: the robots in DIR with top view, type, degrees and operations.
+    `wmrgen check` reports pages that are out of date.
+    """
     comparable = freshness.can_compare()
     from wmrgen.report.pages.overview import overview
 

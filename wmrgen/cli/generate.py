@@ -10,10 +10,25 @@ import json
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import wmrgen
 from wmrgen.cli import console
+from wmrgen.cli.declare import (
+    Json,
+    Math,
+    Out,
+    Robots,
+    Scalar,
+    Target,
+    argument,
+    count_option,
+    flag,
+    option,
+    option_with_default,
+    robot_files,
+    verb,
+)
 from wmrgen.cli.parallel import in_order, processes_for
 from wmrgen.derivation import freshness
 from wmrgen.derivation.artifacts import Difference, Written, differences, write_tree
@@ -93,21 +108,50 @@ class Task(NamedTuple):
     fresh: tuple[str, Manifest] | None  # name of the robot and its manifest, if nothing has to be derived
 
 
+Jobs = Annotated[
+    int | None,
+    count_option("--jobs", "Processes that derive several robots. Default: one a processor."),
+]
+
+
+def _kinds(incomplete: str) -> list[str]:
+    from wmrgen.codegen.packages import PACKAGES
+
+    return [kind for kind in PACKAGES if kind.startswith(incomplete)]
+
+
+@verb("derive")
 def derive(
-    robots: Sequence[Path],
-    out: Path,
-    as_json: bool,
-    scalar: str,
-    math: str | None,
-    target: str,
-    fuzz: bool,
-    batch: bool,
-    package: Sequence[str] | None,
-    html: bool,
-    pdf: bool,
-    jobs: int | None,
+    robots: Robots,
+    out: Out = Path("generated"),
+    as_json: Annotated[
+        bool, flag("--json", 'Print model.json; for several robots: {"robots": […]}.')
+    ] = False,
+    scalar: Annotated[Scalar, option_with_default("Scalar type of the generated C.")] = "float",
+    math: Math = None,
+    target: Target = "m4f",
+    fuzz: Annotated[bool, flag("--fuzz", "Write a libFuzzer harness of the C too.")] = False,
+    batch: Annotated[bool, flag("--batch", "Write the C functions over arrays of states too.")] = False,
+    package: Annotated[
+        list[str] | None,
+        option(
+            "Write DIR/package-KIND/<name>/ too: cmake, arduino, platformio, esp-idf, zephyr, ros2, rust, javascript.",
+            "KIND",
+            _kinds,
+        ),
+    ] = None,
+    html: Annotated[bool, flag("--html", "Write report.html too: one file, and the robot to drive.")] = False,
+    pdf: Annotated[
+        bool,
+        flag("--pdf", "Write report.pdf too, by an installed Chromium, or pandoc and a TeX."),
+    ] = False,
+    jobs: Jobs = None,
 ) -> int:
-    """Derive the robots whose files are not fresh, then write all of them, then print."""
+    """Example:  wmrgen derive robots/pioneer3dx.yaml -o build
+
+    Derive robots and write DIR/<name>/: model, report, C, CasADi, NumPy. A robot whose files are up to date is not
+    derived again, unless there were notes or warnings about it.
+    """
     comparable = freshness.can_compare()
     request = Request(
         path=Path(),
@@ -384,18 +428,22 @@ class Checked(NamedTuple):
     error: WmrgenError | None = None  # why the robot cannot be derived
 
 
-def check(robots: Sequence[Path] | None, out: Path, full: bool, jobs: int | None, as_json: bool) -> int:
-    """Compare generated files with what the robot files give today.
+@verb("check")
+def check(
+    robots: Annotated[
+        list[Path] | None, argument("ROBOT.yaml...", "Default: robots/*.yaml.", robot_files)
+    ] = None,
+    out: Out = Path("generated"),
+    full: Annotated[
+        bool,
+        flag("--full", "Derive every robot, even if its manifest says that nothing changed."),
+    ] = False,
+    jobs: Jobs = None,
+    as_json: Json = False,
+) -> int:
+    """Example:  wmrgen check
 
-    Args:
-        robots: Robot files. None: every robots/*.yaml, and nothing else may be in ``out``.
-        out: The folder that `derive` wrote to.
-        full: Derive every robot, whatever its manifest says.
-        jobs: How many processes derive; None to choose.
-        as_json: Print JSON.
-
-    Returns:
-        The exit code: 1 if a file is out of date, else that of the first robot that cannot be derived, else 0.
+    Report which generated files are not what the robot files give today. Exit code 1 if there are any.
     """
     comparable = freshness.can_compare() and not full
     paths = robots or sorted(Path("robots").glob("*.yaml"))

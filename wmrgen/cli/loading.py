@@ -33,9 +33,6 @@ def print_notes(robot: Robot, but: Container[str] = ()) -> Robot:
     return robot
 
 
-noted = print_notes  # the name that cli/generate.py uses
-
-
 def warn_of_gains(robot: Robot, asked: bool) -> None:
     """Warn if the gains in a robot file do not stabilise the robot, or not from every pose.
 

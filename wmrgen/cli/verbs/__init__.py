@@ -1,1 +1,0 @@
-"""Verbs whose options are declared apart from their work."""

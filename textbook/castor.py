@@ -10,7 +10,7 @@ from __future__ import annotations
 import sympy
 
 from textbook.page import Chapter, Page
-from wmrgen.geometry.symbolic import Expr, absolute, angle_of, kept_between, root, select
+from wmrgen.geometry.symbolic import Expr, absolute, angle_of, clamp_between, root, select
 
 CASTORS = Chapter("Castors")
 HALVINGS, TERMS = 6, 15
@@ -24,7 +24,7 @@ def exponential(page: Page, name: str, x: Expr) -> Expr:
     The report shows the local ``NAME_exp`` as the exponential of ``NAME_exp_of``.
     """
     exponent = page.let(f"{name}_exp_of", x)
-    clamped = kept_between(sympy.Integer(-LARGEST), exponent, sympy.Integer(LARGEST))
+    clamped = clamp_between(sympy.Integer(-LARGEST), exponent, sympy.Integer(LARGEST))
     y = page.let(f"{name}_exp_part", clamped / 2**HALVINGS)
     series: Expr = sympy.S.One
     for k in range(TERMS, 0, -1):

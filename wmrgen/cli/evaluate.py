@@ -30,7 +30,7 @@ from wmrgen.cli.values import Case, from_file, from_words, note_zeros
 from wmrgen.codegen.registry import EXACT_WORD, Entry, known_words, of_word
 from wmrgen.errors import UsageError
 from wmrgen.geometry.exact.number import ZERO, Exact
-from wmrgen.geometry.ports import Limits, timeless
+from wmrgen.geometry.ports import Limits, without_time_suffix
 from wmrgen.robotfile.text import suggestion
 
 if TYPE_CHECKING:
@@ -176,7 +176,7 @@ def _outside(robot: Loaded | None, function: Function, cases: Sequence[Case]) ->
     if robot is None or function.limits is Limits.ASKED:
         return tunable, limited
     for port in function.inputs:
-        limits = port.range or robot.limit_of(timeless(port.name))
+        limits = port.range or robot.limit_of(without_time_suffix(port.name))
         if not limits:
             continue
         low, high = limits[0], limits[1]

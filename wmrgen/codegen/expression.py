@@ -11,7 +11,7 @@ from itertools import count as counting
 from typing import NamedTuple
 
 from wmrgen.geometry.exact.number import Exact
-from wmrgen.ir.calls import hand_through, inlined_calls
+from wmrgen.ir.calls import inlined_calls, pass_geometry_through_prepare
 from wmrgen.ir.kernels import with_kernels
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Cost, Function, Module, Node, count
@@ -57,7 +57,7 @@ def expanded(module: Module, choice: Choice) -> tuple[Module, dict[str, Cost]]:
 
     `prepare` also passes through those parameters that functions read directly.
     """
-    module = hand_through(module)
+    module = pass_geometry_through_prepare(module)
     costs = {f.name: count(f) for f in inlined_calls(module).every}
     return with_kernels(module, choice.scalar, choice.math, choice.target), costs
 

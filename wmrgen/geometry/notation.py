@@ -37,7 +37,7 @@ def listed(parts: Sequence[str], word: str = "and") -> str:
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} {word} {parts[-1]}"
 
 
-def in_code(names: Iterable[str]) -> str:
+def in_backticks(names: Iterable[str]) -> str:
     """Return "`a`, `b` and `c`": names from a robot file, in backticks, for a sentence about the robot."""
     return listed([f"`{name}`" for name in names])
 

@@ -58,7 +58,9 @@ class Port:
     text: str = ""  # one line of description
     default: Exact | None = None  # nominal value of a tunable parameter, else None
     reading: Reading | None = None  # the encoder whose count difference is the input; None if there is none
-    range: tuple[Exact, Exact] | None = None  # allowed values of a tunable parameter; None: see `usual_range`
+    range: tuple[Exact, Exact] | None = (
+        None  # allowed values of a tunable parameter; None: see `default_range`
+    )
 
 
 def output(name: str, unit: str, text: str) -> Port:
@@ -116,7 +118,7 @@ JOINTS = {
 TIMES = ("now", "wanted", "last")  # suffixes of quantities: ``vx_wanted`` has the limits of ``vx``
 
 
-def timeless(name: str) -> str:
+def without_time_suffix(name: str) -> str:
     """Return the contract name of a quantity without its time suffix: ``vx`` for ``vx_wanted``."""
     plain, _, time = name.rpartition("_")
     return plain if time in TIMES else name
@@ -127,7 +129,7 @@ SPREAD = Fraction(1, 10)
 SPAN = Fraction(1, 100)  # default half-range [m or rad] of a tunable parameter that is nominally zero
 
 
-def usual_range(nominal: Exact) -> tuple[Exact, Exact]:
+def default_range(nominal: Exact) -> tuple[Exact, Exact]:
     """Return the default range (low, high) of a tunable parameter, used when the robot file gives no range."""
     spread = abs(nominal) * SPREAD if nominal else Exact(SPAN)
     return nominal - spread, nominal + spread

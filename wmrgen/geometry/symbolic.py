@@ -287,7 +287,7 @@ def minimum(a: Expr, b: Expr) -> Expr:
     return sympy.Min(a, b, evaluate=False)
 
 
-def kept_between(low: Expr, a: Expr, high: Expr) -> Expr:
+def clamp_between(low: Expr, a: Expr, high: Expr) -> Expr:
     """Clamp ``a`` to an interval, unevaluated.
 
     Args:

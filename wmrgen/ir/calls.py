@@ -171,7 +171,7 @@ def in_order(function: str, inputs: Sequence[str], values: Mapping[str, float]) 
     return [float(values[name]) for name in inputs]
 
 
-def hand_through(module: Module) -> Module:
+def pass_geometry_through_prepare(module: Module) -> Module:
     """Return ``module`` with tunable parameters passed through `prepare`: step functions read no geometry directly."""
     direct: dict[str, Port] = {}
     for function in module.functions:

@@ -9,7 +9,7 @@ from math import inf, isinf, ldexp
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.geometry.exact.number import ZERO, Exact
-from wmrgen.geometry.ports import Port, usual_range
+from wmrgen.geometry.ports import Port, default_range
 
 
 def round_rational(value: Fraction, precision: int, lowest: int, highest: int) -> float:
@@ -85,6 +85,6 @@ def tuned(port: Port, scalar: str = "float") -> tuple[float, float]:
 
     Its ends are rounded to nearest, so that code accepts them as they are written in the robot file.
     """
-    low, high = port.range or usual_range(port.default or ZERO)
+    low, high = port.range or default_range(port.default or ZERO)
     rounded = to_float32 if scalar == "float" else to_float64
     return rounded(low), rounded(high)

@@ -33,8 +33,8 @@ from wmrgen.geometry.symbolic import (
     alternating,
     arctangent,
     at_least,
+    clamp_between,
     expression,
-    kept_between,
     maximum,
     nearest,
     norm,
@@ -206,7 +206,7 @@ def present(w: Wheel, limits: Interval | None) -> Expr:
     now = signal(f"{w.name}.steer")
     if limits is None:
         return now
-    return kept_between(number(limits.low), now, number(limits.high))
+    return clamp_between(number(limits.low), now, number(limits.high))
 
 
 def _limited(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) -> Target:
@@ -216,7 +216,7 @@ def _limited(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) 
     if ends == limits:
         back = select(steer, number(ends.low), times(-1, speed), speed)
         return Target(target, select(number(ends.high), steer, times(-1, speed), back))
-    target = names.define(f"{w.name}_target", kept_between(number(limits.low), target, number(limits.high)))
+    target = names.define(f"{w.name}_target", clamp_between(number(limits.low), target, number(limits.high)))
     excess = names.define(f"{w.name}_excess", subtract(target, steer))
     return Target(target, times(speed, sympy.cos(excess)), times(-1, speed, sympy.sin(excess)))
 
@@ -291,7 +291,7 @@ def _narrow(robot: Robot, w: Wheel, limits: Interval, velocity: Velocity, names:
     most = number(sine / cosine)
     called = (f"{w.name}_p", f"p of {w.name}"), (f"{w.name}_q", f"q of {w.name}")
     u, v = components(turned_by(w, velocity, middle), names, *called, precise=robot.precise)
-    tangent = kept_between(-most, v / at_least(u, number(STILL)), most)
+    tangent = clamp_between(-most, v / at_least(u, number(STILL)), most)
     slope = names.define(f"{w.name}_t", tangent, f"t of {w.name}")
     now = present(w, limits)
     moving = add(absolute(u), absolute(v))

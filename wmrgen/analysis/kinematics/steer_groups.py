@@ -22,8 +22,8 @@ from wmrgen.geometry.symbolic import (
     Expr,
     add,
     angle_of,
+    clamp_between,
     expression,
-    kept_between,
     number,
     rotated_back,
     select,
@@ -106,7 +106,7 @@ def steer_group(
     if limits is not None:
         target = names.define(f"{lead.name}_nearest", target)
         best = turned_back(target, turning_points(limits))
-        target = kept_between(number(limits.low), best, number(limits.high))
+        target = clamp_between(number(limits.low), best, number(limits.high))
     steer = names.define(f"{lead.name}_target", target)
     turn = names.define(f"{lead.name}_turn", subtract(steer, now), f"Delta of {lead.name}")
     return {w.index: turned(steer, turn, *seen[w.index], w.steer_sign) for w in members}

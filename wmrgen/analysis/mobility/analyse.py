@@ -20,7 +20,7 @@ from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.exact.poly import Poly, Row, dot, each
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.layout.skid import driven, parallel
-from wmrgen.geometry.notation import in_code, plain
+from wmrgen.geometry.notation import in_backticks, plain
 
 SAME_ANGLE = (
     1e-9  # distance of points of the unit circle: above the rounding of doubles, as in `layout.skid.parallel`
@@ -206,7 +206,7 @@ def _drive(at: Configuration, wheels: tuple[Wheel, ...], columns: tuple[Row, ...
         verb, pronoun = "does", "it"
     else:
         verb, pronoun = "do", "they"
-    text = f"{in_code(names)} {verb} not turn when the robot moves: {pronoun} can neither drive nor measure that motion"
+    text = f"{in_backticks(names)} {verb} not turn when the robot moves: {pronoun} can neither drive nor measure that motion"
     return [Singularity("drive", tuple(rates), text, names)]
 
 
@@ -223,7 +223,7 @@ def _rolling_rank(at: Configuration) -> list[Singularity]:
         motions = "one motion of the body turns no wheel, so the wheels cannot drive it"
     else:
         motions = "two independent motions of the body turn no wheel, so the wheels cannot drive them"
-    text = f"the rolling rows of {in_code(w.name for w in wheels)} have rank {rank}: {motions}"
+    text = f"the rolling rows of {in_backticks(w.name for w in wheels)} have rank {rank}: {motions}"
     if any(w.nominal.sg for w in wheels) and len(wheels) > 2:
         text += (
             ". Mecanum rollers at the ground must form an O (seen from above the roller lines form a diamond around "

@@ -17,7 +17,7 @@ from wmrgen.geometry.exact.evaluate import fix
 from wmrgen.geometry.exact.poly import Poly, Row
 from wmrgen.geometry.layout.records import Geometry, Robot, Wheel
 from wmrgen.geometry.layout.skid import no_track, parallel
-from wmrgen.geometry.notation import in_code, steering, turning
+from wmrgen.geometry.notation import in_backticks, steering, turning
 
 # Thousandths by which parameters are changed for general values. A root such as sqrt(2 - b) has no value above b = 2,
 # so that several signs and sizes are tried.
@@ -37,7 +37,7 @@ def reasons(at: Configuration, deciding: tuple[Wheel, ...]) -> tuple[Reason, ...
 
 
 def _names(wheels: Iterable[Wheel]) -> str:
-    return in_code(w.name for w in wheels)
+    return in_backticks(w.name for w in wheels)
 
 
 def _axle(w: Wheel) -> Array:
@@ -106,7 +106,7 @@ def _several_axles(at: Configuration, wheels: list[Wheel]) -> Reason:
     """Return the sentence about several axle lines: where they meet, and what motion remains."""
     three = apart(at)
     if three:
-        text = f"The axles of {in_code(three)} meet in no common point: nothing can move (rank C1f = 3)."
+        text = f"The axles of {in_backticks(three)} meet in no common point: nothing can move (rank C1f = 3)."
         return Reason("no_common_point", text)
     (null,) = null_basis(unit_rows(np.array([_axle(w) for w in wheels])))
     if abs(null[2]) < SAME:
@@ -127,7 +127,7 @@ def _couplings(at: Configuration) -> list[Reason]:
             what = f"they {turning(ratios)}"
         else:
             what = f"they {steering(ratios)}" if ratios else "their steering angles are equal"
-        found.append(Reason("coupled", f"{in_code(names)} are coupled: {what}.", argues=False))
+        found.append(Reason("coupled", f"{in_backticks(names)} are coupled: {what}.", argues=False))
     return found
 
 
@@ -162,7 +162,7 @@ def _steering(at: Configuration, deciding: tuple[Wheel, ...]) -> list[Reason]:
         return []
     if not at.steerability:
         text = (
-            f"{in_code(steered)} can be steered, but every wheel rolls in one direction only: no degree of freedom of "
+            f"{in_backticks(steered)} can be steered, but every wheel rolls in one direction only: no degree of freedom of "
             "steering is left."
         )
         return [Reason("steering_without_effect", text)]
@@ -176,13 +176,13 @@ def _steering(at: Configuration, deciding: tuple[Wheel, ...]) -> list[Reason]:
         key, does = "steers_axle", "turns the axle on which the ICR lies"
     else:
         key, does = "steers_icr", "chooses the ICR"
-    text = f"Steering {in_code(lead)} {does} (delta_s = {at.steerability})"
+    text = f"Steering {in_backticks(lead)} {does} (delta_s = {at.steerability})"
     if rest and not turns:
-        text += f"; {in_code(rest)} must point the same way"
+        text += f"; {in_backticks(rest)} must point the same way"
     elif rest:
         axles = "its axle" if len(rest) == 1 else "their axles"
         where = "through the same point" if at.mobility == 1 else "on the same line"
-        text += f"; {in_code(rest)} must follow, {axles} {where}"
+        text += f"; {in_backticks(rest)} must follow, {axles} {where}"
     return [Reason(key, f"{text}.")]
 
 

@@ -24,9 +24,9 @@ from wmrgen.geometry.ports import (
     TWIST_NAMES,
     Site,
     overshot,
-    timeless,
+    without_time_suffix,
 )
-from wmrgen.ir.calls import hand_through
+from wmrgen.ir.calls import pass_geometry_through_prepare
 from wmrgen.ir.nodes import Function, Limits, Module, Port, contract
 from wmrgen.ir.rounding import tuned
 from wmrgen.ir.selftest.rounding_bounds import LARGEST_ANGLE
@@ -120,7 +120,7 @@ def guarded(module: Module, unit: Unit, site: Site) -> Iterator[Guarded]:
 
 def _prepare(module: Module, unit: Unit) -> Guarded | None:
     """Return `prepare` with the ranges of parameters for which bounds are proved; None if no parameter is tunable."""
-    prepare = hand_through(module).prepare
+    prepare = pass_geometry_through_prepare(module).prepare
     if prepare is None or not prepare.inputs:
         return None
     step = next(step for step in unit.steps if step.function == "prepare")
@@ -146,7 +146,7 @@ def ranges(function: Function, scalar: str, site: Site) -> tuple[Range, ...]:
 
 
 def _range(port: Port, limits: Limits, scalar: str, site: Site) -> Range:
-    name = timeless(port.name)
+    name = without_time_suffix(port.name)
     size = _TURNING[scalar].get(name) or (LARGEST_ANGLE if port.unit == "rad" else LARGEST)[scalar]
     low, high = -size, size
     if name in TWIST_NAMES and limits is Limits.COMMANDED:

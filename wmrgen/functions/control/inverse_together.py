@@ -32,8 +32,8 @@ from wmrgen.geometry.symbolic import (
     absolute,
     add,
     angle_of,
+    clamp_between,
     expression,
-    kept_between,
     maximum,
     number,
     root,
@@ -171,7 +171,7 @@ def _targets(unit: _Unit, direction: Expr, names: Locals) -> dict[int, Target]:
         rim = names.define(f"{unit.lead.name}_rim", select(direction, _ZERO, times(-1, speed), speed))
         return {i: Target(times(unit.signs[i], wanted), rim) for i in unit.seen}
     if unit.limits is not None:
-        wanted = kept_between(number(unit.limits.low), wanted, number(unit.limits.high))
+        wanted = clamp_between(number(unit.limits.low), wanted, number(unit.limits.high))
     key = unit.lead.name
     steer = names.define(f"{key}_target", wanted)
     turn = names.define(f"{key}_turn", subtract(steer, signal(f"{key}.steer")))

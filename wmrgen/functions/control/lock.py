@@ -29,8 +29,8 @@ from wmrgen.geometry.ports import Port, Role
 from wmrgen.geometry.symbolic import (
     Expr,
     angle_of,
+    clamp_between,
     expression,
-    kept_between,
     nearest,
     number,
     subtract,
@@ -61,7 +61,7 @@ def lock(robot: Robot, _: Mobility) -> Formula:
         turns = nearest(times(number(PER_HALF_TURN), subtract(heading, present(w, limits))))
         steer = names.define(f"{w.name}_nearest", subtract(heading, times(sympy.pi, turns)))
         if limits is not None:
-            steer = kept_between(number(limits.low), turned_back(steer, limits), number(limits.high))
+            steer = clamp_between(number(limits.low), turned_back(steer, limits), number(limits.high))
         outputs.append((joint_port(w, "steer", Role.COMMAND), steer))
     return names.formula(
         "lock",

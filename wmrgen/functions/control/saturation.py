@@ -42,8 +42,8 @@ from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
     add,
+    clamp_between,
     expression,
-    kept_between,
     maximum,
     minimum,
     number,
@@ -123,7 +123,7 @@ def _prioritised(
     for n, p, q, limit in zip(TWIST_NAMES, first, second, map(limits.get, TWIST_NAMES), strict=True):
         value = add(times(slower, expression(p)), times(share, expression(q)))
         if limit is not None and p + q == Poly.gen("input", n):  # rounding may exceed the limit by one unit
-            value = kept_between(number(limit.low), value, number(limit.high))
+            value = clamp_between(number(limit.low), value, number(limit.high))
         if p or q:
             twist[n] = value
     text = "a twist to one inside the limits of twist and wheel speed: "

@@ -56,8 +56,8 @@ from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
     add,
+    clamp_between,
     expression,
-    kept_between,
     maximum,
     minimum,
     number,
@@ -92,7 +92,7 @@ class CurvatureRange(NamedTuple):
         """Return the yaw rate nearest to ``omega`` that is allowed at the speed ``v``."""
         if self.left is not None and self.right == -self.left:
             most = times(self.left, absolute(v))
-            return kept_between(times(-1, most), omega, most)
+            return clamp_between(times(-1, most), omega, most)
         for bound, forwards, backwards in ((self.left, minimum, maximum), (self.right, maximum, minimum)):
             if bound is not None:
                 end = times(bound, v)

@@ -66,8 +66,8 @@ from wmrgen.geometry.ports import DT, TWIST, Limits, Port, Role
 from wmrgen.geometry.symbolic import (
     Expr,
     add,
+    clamp_between,
     expression,
-    kept_between,
     maximum,
     minimum,
     number,
@@ -104,7 +104,7 @@ def steer_toward(robot: Robot, _: Mobility) -> Formula:
         per_time = names.define("per_time", rate_per_change(step)) if per_time is None else per_time
         rate = times(per_time, subtract(_wanted(w, angles), present(w, angles)))
         if limit is not None:
-            rate = kept_between(number(limit.low), rate, number(limit.high))
+            rate = clamp_between(number(limit.low), rate, number(limit.high))
         rate = names.define(f"{w.name}_rate", rate)
         g = working_view(w)
         share = times(expression(g.steer_arm * g.rolling_radius.inverse()), rate)
@@ -189,7 +189,7 @@ def _steering_lead(robot: Robot, w: Wheel) -> Wheel:
 def _wanted(w: Wheel, angles: Interval | None) -> Expr:
     """Return the wanted angle, inside the limits of the angle."""
     wanted = signal(f"{w.name}.steer_wanted")
-    return wanted if angles is None else kept_between(number(angles.low), wanted, number(angles.high))
+    return wanted if angles is None else clamp_between(number(angles.low), wanted, number(angles.high))
 
 
 def _next(w: Wheel, limit: Interval | None, angles: Interval | None, step: Expr) -> Expr:

@@ -25,8 +25,8 @@ from wmrgen.geometry.ports import Limits, Port, Role, output
 from wmrgen.geometry.symbolic import (
     Expr,
     absolute,
+    clamp_between,
     expression,
-    kept_between,
     maximum,
     number,
     signal,
@@ -76,7 +76,7 @@ def scaled_within(value: Expr, limit: Interval | None, scale: Expr) -> Expr:
         scale: The factor.
     """
     product = times(scale, value)
-    return product if limit is None else kept_between(number(limit.low), product, number(limit.high))
+    return product if limit is None else clamp_between(number(limit.low), product, number(limit.high))
 
 
 def refuse_one_sided(robot: Robot, what: str, limits: Iterable[tuple[str, Interval | None]]) -> None:

@@ -42,7 +42,7 @@ from wmrgen.functions.system import Domain
 from wmrgen.geometry.exact.linalg import adjugate, determinant
 from wmrgen.geometry.exact.poly import Poly, Row
 from wmrgen.geometry.layout.records import Robot, Wheel
-from wmrgen.geometry.notation import in_code
+from wmrgen.geometry.notation import in_backticks
 from wmrgen.geometry.ports import Port, Role, output
 
 Eta = tuple[Poly, ...]  # coordinates of a twist along the columns of N
@@ -102,7 +102,7 @@ class Motion(NamedTuple):
         else:
             condition = zero_condition(self.divisor)
             rates = {f"{w.name}.steer_rate" for w in self.frame.wheels}
-            drives = in_code(p.name for p in self.inputs if p.name not in rates)
+            drives = in_backticks(p.name for p in self.inputs if p.name not in rates)
             text = f"G is unbounded: {drives} no longer determine{'s' * one} the motion"
         columns = self.frame.columns
         own = domain_of(condition, text, self.robot)
@@ -116,7 +116,7 @@ class Motion(NamedTuple):
         column = next((c for c in self.frame.columns if castors & angles_in(c)), None)
         if column is None:
             return ()
-        turning = in_code(sorted(castors & angles_in(column)))
+        turning = in_backticks(sorted(castors & angles_in(column)))
         text = f"the angles of {turning} make a column of the null space vanish, although the robot can move"
         return domain_of(Poly.sum(p * p for p in column), text, self.robot)
 

@@ -156,7 +156,7 @@ def forms(robot: Robot, mobility: Mobility) -> dict[str, System]:
     return systems
 
 
-def rolls_alone(form: str, mobility: Mobility) -> bool:
+def ignores_sliding(form: str, mobility: Mobility) -> bool:
     """Return whether a form leaves out the sliding of a robot that rolls in one motion and slides in all others."""
     return mobility.degenerate and form != "twist"
 
@@ -165,7 +165,7 @@ def regularity(robot: Robot, mobility: Mobility) -> dict[str, tuple[str, ...]]:
     """Return where each form of the model is singular; an empty tuple for a form that holds in every motion."""
     acting = driving(robot, mobility)[1]
     return {
-        form: singular_sets(system) + ((where_it_slides(acting),) if rolls_alone(form, acting) else ())
+        form: singular_sets(system) + ((where_it_slides(acting),) if ignores_sliding(form, acting) else ())
         for form, system in forms(robot, mobility).items()
     }
 

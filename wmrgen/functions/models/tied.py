@@ -21,7 +21,7 @@ from wmrgen.geometry.constraints import View
 from wmrgen.geometry.exact.poly import Row
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.layout.skid import parallel
-from wmrgen.geometry.notation import in_code
+from wmrgen.geometry.notation import in_backticks
 from wmrgen.geometry.symbolic import add, expression, signal, square
 
 
@@ -72,7 +72,7 @@ def where_motions_meet(robot: Robot, view: View, columns: Sequence[Row] | None =
     sets = _groups_apart(robot)
     if not sets or only_straight(robot):
         return ()
-    who, omega = f"{in_code(w.name for m in sets for w in m)}, which turn together", signal("omega")
+    who, omega = f"{in_backticks(w.name for m in sets for w in m)}, which turn together", signal("omega")
     gap = led(robot, towards(sets[0][0], sets[0][1], view))  # 0 where the axles of the first set are one line
     if columns is None:
         if len(sets) > 1:

@@ -35,8 +35,8 @@ from wmrgen.geometry.symbolic import (
     absolute,
     add,
     angle_of,
+    clamp_between,
     expression,
-    kept_between,
     maximum,
     norm,
     over,
@@ -231,13 +231,13 @@ def _smallest_eigenvalue(gram: list[list[Poly]], names: Locals) -> Expr:
     second = names.define("second", adj[0][0] + adj[1][1] + adj[2][2])
     third = names.define("third", dot(gram[0], adj[0]))
     mean = names.define("mean", times(sympy.Rational(1, 3), trace))
-    value = kept_between(sympy.S.Zero, _cosine_root(trace, second, third, mean, names), mean)
+    value = clamp_between(sympy.S.Zero, _cosine_root(trace, second, third, mean, names), mean)
     value = names.define("eigenvalue0", value)
     for k in range(2):  # Newton steps: each doubles the number of correct digits
         rest = add(third, times(value, subtract(times(value, subtract(trace, value)), second)))
         slope = add(second, times(value, subtract(times(3, value), times(2, trace))))
         step = over(rest, maximum(slope, FLOOR))
-        value = names.define(f"eigenvalue{k + 1}", kept_between(sympy.S.Zero, add(value, step), mean))
+        value = names.define(f"eigenvalue{k + 1}", clamp_between(sympy.S.Zero, add(value, step), mean))
     return value
 
 
@@ -251,7 +251,7 @@ def _cosine_root(trace: Expr, second: Expr, third: Expr, mean: Expr, names: Loca
     p = names.define("half_range", root(maximum(spread, zero)))
     cube = maximum(times(2, p, p, p), FLOOR)
     shifted = add(third, times(mean, subtract(times(2, mean, mean), second)))
-    ratio = names.define("ratio", kept_between(sympy.S.NegativeOne, over(shifted, cube), one))
+    ratio = names.define("ratio", clamp_between(sympy.S.NegativeOne, over(shifted, cube), one))
     height = root(maximum(subtract(one, square(ratio)), zero))
     angle = add(times(sympy.Rational(1, 3), angle_of(height, ratio)), times(sympy.Rational(2, 3), sympy.pi))
     return add(mean, times(2, p, sympy.cos(names.define("angle", angle))))

@@ -32,8 +32,8 @@ from wmrgen.geometry.symbolic import (
     add,
     angle_of,
     at_least,
+    clamp_between,
     expression,
-    kept_between,
     maximum,
     minimum,
     norm,
@@ -189,7 +189,7 @@ def _ranges(
     push = names.define("push", at_least(absolute(force[1]), _SMALLEST))
     top = subtract(radius, over(square(arm), radius))
     ceiling = names.define(
-        "ceiling", kept_between(subtract(radius, arm), over(times(force[2], wide), push), top)
+        "ceiling", clamp_between(subtract(radius, arm), over(times(force[2], wide), push), top)
     )
     swing = root(maximum(sympy.S.Zero, subtract(square(arm), square(subtract(radius, ceiling)))))
     most = names.define("most", over(times(force[2], swing), at_least(ceiling, _SMALLEST)))

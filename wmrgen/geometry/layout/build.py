@@ -42,7 +42,7 @@ from wmrgen.geometry.layout.records import (
     Wheel,
 )
 from wmrgen.geometry.layout.skid import effective_track, parallel
-from wmrgen.geometry.ports import GYRO, usual_range
+from wmrgen.geometry.ports import GYRO, default_range
 from wmrgen.robotfile.records import (
     Neg,
     Num,
@@ -128,7 +128,7 @@ def _parameters(spec: RobotSpec, collector: ErrorCollector) -> tuple[Parameter, 
             working[p.name] = Poly.gen("param", p.name) if p.tunable else kept
             values[p.name] = substituted(symbolic, values)
             nominal = number(symbolic, values)
-            low, high = usual_range(nominal) if p.tunable else (nominal, nominal)
+            low, high = default_range(nominal) if p.tunable else (nominal, nominal)
             parameters.append(
                 Parameter(p.name, values[p.name], working[p.name], nominal, p.tunable, low, high)
             )
@@ -151,7 +151,7 @@ def _with_ranges(
                     "The lower end is not below the upper end.", "Write tunable: [low, high].",
                 )  # fmt: skip
             if not low <= nominal <= high:
-                around = ", ".join(f"{float(end):.6g}" for end in usual_range(nominal))
+                around = ", ".join(f"{float(end):.6g}" for end in default_range(nominal))
                 raise RobotFileError(
                     f"{name} is {float(nominal):.6g}, outside its range from {float(low):.6g} to {float(high):.6g}",
                     (lower if nominal < low else upper).mark,

@@ -20,7 +20,7 @@ from wmrgen.geometry.exact.poly import Poly
 from wmrgen.geometry.layout.expressions import Scope
 from wmrgen.geometry.layout.joints import constant
 from wmrgen.geometry.layout.records import Geometry, Near, Tolerance, Wheel, rounded_up
-from wmrgen.geometry.notation import in_code, listed
+from wmrgen.geometry.notation import in_backticks, listed
 from wmrgen.robotfile.records import Quantity
 
 T = TypeVar("T", Poly, Exact)
@@ -275,7 +275,7 @@ def _moved(w: Wheel, x: Exact, y: Exact, c: Exact = ONE, s: Exact = ZERO) -> Whe
 
 
 def _names(wheels: Sequence[Wheel]) -> str:
-    return in_code(w.name for w in sorted(wheels, key=lambda w: w.index))
+    return in_backticks(w.name for w in sorted(wheels, key=lambda w: w.index))
 
 
 def _last(wheels: Sequence[Wheel]) -> str:

@@ -28,7 +28,7 @@ import numpy as np
 from wmrgen.geometry.exact.interval import Array, inside
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.layout.records import Robot
-from wmrgen.geometry.ports import GYRO, TWIST_NAMES, timeless
+from wmrgen.geometry.ports import GYRO, TWIST_NAMES, without_time_suffix
 from wmrgen.ir.kernels.choice import AVR, INLINE, Choice
 from wmrgen.ir.kernels.trigonometry import Worst, worst
 from wmrgen.ir.nodes import Function, Limits, Op, Port, Role
@@ -212,8 +212,8 @@ class Domain:
             return rate and inside(*(end * POSE_RANGES["dt"][1] for end in rate))
         if joint == "steer_wanted":  # a result of `inverse`
             return self.commanded.get(f"{owner}.steer")
-        if timeless(name) != name:
-            return self._range(replace(port, name=timeless(name)))
+        if without_time_suffix(name) != name:
+            return self._range(replace(port, name=without_time_suffix(name)))
         if joint in ("steer", "theta"):
             return inside(-TURNS, TURNS)
         return self.declared.get("vx") if joint == "speed" else self.commanded.get(name)

@@ -16,7 +16,7 @@ from wmrgen.geometry.ports import overshot
 from wmrgen.ir.bounds.analysis import Claim, Outcomes, analysed
 from wmrgen.ir.bounds.assumptions import LIBM, Domain, Library, Range, domain
 from wmrgen.ir.bounds.patterns import SMALL_ANGLE
-from wmrgen.ir.calls import hand_through, inline_prepare, inlined_calls
+from wmrgen.ir.calls import inline_prepare, inlined_calls, pass_geometry_through_prepare
 from wmrgen.ir.nodes import Function, Module
 
 SINGULAR = "its formula is singular within the limits: a divisor comes close to zero"
@@ -106,7 +106,7 @@ def bounds(robot: Robot, module: Module, library: Library) -> Bounds:
 
 def functions(module: Module) -> list[Function]:
     """Return the functions as they are printed, each with its part of prepare() and without calls."""
-    printed = hand_through(inlined_calls(module))
+    printed = pass_geometry_through_prepare(inlined_calls(module))
     return [inline_prepare(f, printed.prepare) for f in printed.functions if f.outputs]
 
 

@@ -100,7 +100,7 @@ def code(name: str) -> str:
 
 def listed(names: Sequence[str]) -> str:
     """Return names as a list in words: `a`, `b` and `c`."""
-    return notation.in_code(names)
+    return notation.in_backticks(names)
 
 
 def some(wheels: Sequence[Wheel]) -> str:

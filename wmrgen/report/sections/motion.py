@@ -8,7 +8,7 @@ from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.inputs import posture_motion
 from wmrgen.functions.models.sheet import LONGEST, tidy
-from wmrgen.functions.models.state_space import rolls_alone
+from wmrgen.functions.models.state_space import ignores_sliding
 from wmrgen.functions.models.twist import goes_straight, where_it_slides
 from wmrgen.functions.system import System
 from wmrgen.functions.trailers.trailer import state_ports, turns
@@ -209,7 +209,7 @@ def regular(d: Derivation) -> list[str]:
         return []
     systems = dict(d.forms)
     trailers = systems.pop("trailer", None)
-    sliding = [form for form in systems if rolls_alone(form, d.driven.mobility)]
+    sliding = [form for form in systems if ignores_sliding(form, d.driven.mobility)]
     always = [form for form, system in systems.items() if form not in sliding and not system.domain]
     files = f"{code(f'{d.robot.name}_ode.casadi')}, {code('ode')} in {code(f'{d.robot.name}.py')}"
     eta = systems.get("eta")

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from math import degrees, isnan, pi
 
 from wmrgen.derivation.facade import Derivation
-from wmrgen.geometry.ports import usual_range
+from wmrgen.geometry.ports import default_range
 from wmrgen.tools.calibrating.calibrate import Calibration, Estimate
 from wmrgen.tools.calibrating.drifts import Drift
 from wmrgen.tools.calibrating.observability import WEAK, Offer, blind, offers, plan
@@ -34,7 +34,7 @@ def notes(derivation: Derivation, result: Calibration) -> list[str]:
         )
     for p in derivation.robot.tunable:
         value = result.parameters[p.name].value
-        if beyond(p, value) and (p.low, p.high) != usual_range(p.nominal):
+        if beyond(p, value) and (p.low, p.high) != default_range(p.nominal):
             said.append(
                 f"{p.name} = {value:.6g} is outside its range in the robot file, {float(p.low):.6g} to "
                 f"{float(p.high):.6g}: the C of that file refuses it; a new robot file has a wider range"

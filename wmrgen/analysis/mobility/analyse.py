@@ -206,7 +206,10 @@ def _drive(at: Configuration, wheels: tuple[Wheel, ...], columns: tuple[Row, ...
         verb, pronoun = "does", "it"
     else:
         verb, pronoun = "do", "they"
-    text = f"{in_backticks(names)} {verb} not turn when the robot moves: {pronoun} can neither drive nor measure that motion"
+    shown = in_backticks(names)
+    text = (
+        f"{shown} {verb} not turn when the robot moves: {pronoun} can neither drive nor measure that motion"
+    )
     return [Singularity("drive", tuple(rates), text, names)]
 
 

@@ -162,8 +162,8 @@ def _steering(at: Configuration, deciding: tuple[Wheel, ...]) -> list[Reason]:
         return []
     if not at.steerability:
         text = (
-            f"{in_backticks(steered)} can be steered, but every wheel rolls in one direction only: no degree of freedom of "
-            "steering is left."
+            f"{in_backticks(steered)} can be steered, but every wheel rolls in one direction only: no degree of "
+            "freedom of steering is left."
         )
         return [Reason("steering_without_effect", text)]
     leaders = [at.robot.wheels[at.robot.steer_group[w.index]].name for w in deciding]

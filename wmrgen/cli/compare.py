@@ -70,7 +70,10 @@ def _lines(c: Comparison) -> Iterator[str]:
 
 
 def _as_data(c: Comparison) -> dict[str, Any]:
-    differences = [{**asdict(d), "marks": [console.place(mark) for mark in d.marks]} for d in c.differences]
+    differences = []
+    for d in c.differences:
+        places = [console.place(mark) for mark in d.marks]
+        differences.append({**asdict(d), "marks": places})
     return {
         "file": c.b.file,
         "controller": c.b.title or None,

@@ -46,7 +46,16 @@ Completion = Callable[
 
 
 def argument(metavar: str, text: str | None = None, completion: Completion | None = None) -> Any:
-    """Return a positional argument. The help shows no default."""
+    """Return a positional argument. The help shows no default.
+
+    Args:
+        metavar: its name in the help.
+        text: the help.
+        completion: the words that the shell offers for it.
+
+    Returns:
+        The argument, for ``Annotated``.
+    """
     return typer.Argument(metavar=metavar, help=text, show_default=False, autocompletion=completion)
 
 

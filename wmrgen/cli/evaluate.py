@@ -205,7 +205,9 @@ def _refuse_divisors(function: Function, cases: Sequence[Case]) -> None:
     if not divisors:
         return
     only_divisors = pruned(replace(function, results=tuple(k for pair in divisors for k in pair)))
-    given = {tuple((name, case[name]) for name in names if name in case) for case in cases}
+    given = set()
+    for case in cases:
+        given.add(tuple((name, case[name]) for name in names if name in case))
     for parameters in sorted(given - {()}, key=str):
         values = evaluate_nodes(only_divisors, dict(parameters), EXACT)
         results = [values[k] for k in only_divisors.results]

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Robot, verb
 from wmrgen.cli.loading import derived
 from wmrgen.errors import NotDerivableError
+
+if TYPE_CHECKING:
+    from wmrgen.analysis.kinematics.records import Formula
 
 
 @verb("functions")
@@ -29,17 +34,7 @@ def functions(robot: Robot, as_json: Json = False) -> int:
         console.data(
             {
                 "robot": derivation.robot.name,
-                "functions": [
-                    {
-                        "name": f.name,
-                        "text": f.text,
-                        "source": f.source,
-                        "generated": f.name in generated,
-                        "inputs": [port.name for port in f.inputs],
-                        "outputs": [port.name for port, _ in f.outputs],
-                    }
-                    for f in formulas
-                ],
+                "functions": [_as_data(f, f.name in generated) for f in formulas],
                 "absent": [{"name": name, "why": why} for name, why in absent.items()],
             }
         )
@@ -53,3 +48,15 @@ def functions(robot: Robot, as_json: Json = False) -> int:
         reason = why.splitlines()[0].split(": ", 1)[-1]
         console.result(f"  {name:<{width}}  {reason}")
     return 0
+
+
+def _as_data(formula: Formula, generated: bool) -> dict[str, Any]:
+    """Return a function for JSON."""
+    return {
+        "name": formula.name,
+        "text": formula.text,
+        "source": formula.source,
+        "generated": generated,
+        "inputs": [port.name for port in formula.inputs],
+        "outputs": [port.name for port, _ in formula.outputs],
+    }

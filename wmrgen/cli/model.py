@@ -168,7 +168,11 @@ def _table(space: StateSpace, matrices: Mapping[str, Any]) -> list[str]:
         numbers = [matrices["xnext"][k], *matrices["A"][k], *matrices["B"][k], matrices["c"][k]]
         table.append([name, *(f"{value:.6g}" for value in numbers)])
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    return ["  ".join(f"{text:>{width}}" for text, width in zip(row, widths, strict=True)) for row in table]
+    lines = []
+    for row in table:
+        cells = zip(row, widths, strict=True)
+        lines.append("  ".join(f"{text:>{width}}" for text, width in cells))
+    return lines
 
 
 def _is_singular(system: System, case: Mapping[str, Exact]) -> bool:

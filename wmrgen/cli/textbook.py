@@ -26,7 +26,16 @@ class Library(Protocol):
         """Return one function with the modules that a Derivation has. Raise UsageError for an unknown name."""
 
     def run(self, out: Path, as_json: bool, made_from: Mapping[str, str]) -> int:
-        """Write the library and the errata into ``out``, and print what changed."""
+        """Write the library and the errata, and print what changed.
+
+        Args:
+            out: the folder that contains the folder of the library.
+            as_json: whether to print JSON instead of lines to read.
+            made_from: hash of each file that the library is made from, by name.
+
+        Returns:
+            The exit code.
+        """
 
     def differing(self, out: Path) -> list[Difference]:
         """Return the files under ``out`` that `run` would change."""

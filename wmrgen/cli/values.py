@@ -94,7 +94,10 @@ def with_joints(words: Iterable[str], robot: Robot, joint: str, ports: Sequence[
 
 def note_zeros(ports: Iterable[Port], cases: Sequence[Case]) -> None:
     """Print which of ``ports`` are missing in a case: they are taken as 0."""
-    names = [port.name for port in ports if any(port.name not in case for case in cases)]
+    names = []
+    for port in ports:
+        if any(port.name not in case for case in cases):
+            names.append(port.name)
     if names:
         console.note(f"not given, taken as 0: {' '.join(names)}")
 

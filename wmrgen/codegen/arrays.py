@@ -262,10 +262,11 @@ def evaluate(module: Module, requests: Sequence[Request]) -> list[dict[str, floa
 
 def _rows(function: Function, cases: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
     rows = [complete(function, case) for case in cases]
+    inputs = {}
+    for k, port in enumerate(function.inputs):
+        inputs[port.name] = [row[k] for row in rows]
     with np.errstate(all="ignore"):  # infinities and NaN are results
-        columns = _columns(
-            function, {p.name: [row[k] for row in rows] for k, p in enumerate(function.inputs)}
-        )
+        columns = _columns(function, inputs)
     if not function.inputs:
         return [{name: float(value) for name, value in columns.items()} for _ in cases]
     return [{name: float(column[k]) for name, column in columns.items()} for k in range(len(cases))]

@@ -88,10 +88,11 @@ def loop(module: Module, has: Collection[str], covariances: bool = True) -> Loop
     driven = {} if names & {"limit_acceleration", "setpoint"} else {"driven": "wanted"}
 
     def stages(table: tuple[tuple[str, Mapping[str, str]], ...]) -> tuple[Stage, ...]:
-        return tuple(
-            Stage(name, {a: driven.get(v, v) for a, v in variables.items()})
-            for name, variables in table
-            if name in names
-        )
+        called = []
+        for name, variables in table:
+            if name in names:
+                renamed = {a: driven.get(v, v) for a, v in variables.items()}
+                called.append(Stage(name, renamed))
+        return tuple(called)
 
     return Loop(stages(_SENSES), stages(_ACTS))

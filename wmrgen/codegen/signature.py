@@ -77,7 +77,8 @@ def members(module: Module) -> dict[str, tuple[Port, ...]]:
     if module.joints is None:
         return {}
     ports = (port for f in module.functions for port in (*contract(f), *f.outputs))
-    used = {place.kind for place in (_place(port, module.joints) for port in ports) if place}
+    places = [_place(port, module.joints) for port in ports]
+    used = {place.kind for place in places if place}
     types = {**TYPES, WHEELS: tuple(_joint(name) for name in module.joints)}
     return {name: own for name, own in types.items() if name in used or (name == WHEELS and own)}
 

@@ -198,7 +198,10 @@ def wheel_lines(robot: Robot) -> tuple[str, ...]:
     """Return the wheel table of a banner: one line per wheel in file order, then the legend for these wheels."""
     track = robot.effective_track
     turning = (f"effective track {_number(track.nominal)} m",) if track else ()
-    legend = (text for concerns, text in _LEGEND if any(concerns(w) for w in robot.wheels))
+    legend = []
+    for concerns, text in _LEGEND:
+        if any(concerns(w) for w in robot.wheels):
+            legend.append(text)
     return (*map(wheel_line, robot.wheels), *turning, *legend)
 
 

@@ -13,16 +13,16 @@ from wmrgen.functions.registry import has_system, system_builder
 from wmrgen.geometry.constraints import XI, Constraints, constrain, pfaffian, pfaffian_rates, working_view
 from wmrgen.geometry.exact.number import ONE, Exact
 from wmrgen.geometry.exact.poly import Gen, Poly, dot
-from wmrgen.geometry.layout.records import Encoder, Gyro, Interval, Robot, Wheel
+from wmrgen.geometry.layout.records import Encoder, Gyro, Interval, Noise, Robot, Wheel
 from wmrgen.geometry.notation import plain
 from wmrgen.ir.bounds.robot import Bounds
 from wmrgen.ir.bounds.robot import data as bounds_data
-from wmrgen.ir.nodes import Module, count
+from wmrgen.ir.nodes import Function, Module, count
 
 if TYPE_CHECKING:
     from wmrgen.functions.models.state_space import StateSpace
 
-FORMAT = 1
+FORMAT = 1  # version of the layout of model.json, without a unit
 
 
 def model(
@@ -52,16 +52,20 @@ def model(
         "C1f": strings([r.row for r in c.sliding_fixed]),
         "C1s": strings([r.row for r in c.sliding_steered]),
         "null_space": [[text(column[i]) for column in mobility.scaled] for i in range(3)],
-        "functions": {
-            f.name: {"inputs": [p.name for p in f.inputs], "outputs": [p.name for p in f.outputs]}
-            for f in formulas.functions
-        },
+        "functions": {f.name: _ports(f) for f in formulas.functions},
         "operations": {f.name: count(f)._asdict() for f in code.functions},
         **({} if bounds.missing else {"bounds": bounds_data(bounds)}),
         **(_slips(c) if robot.slip else {}),
         **_domains(robot, mobility),
         **_state_space(space),
     }
+
+
+def _ports(function: Function) -> dict[str, list[str]]:
+    """Return the names of the inputs and outputs of a function."""
+    inputs = [p.name for p in function.inputs]
+    outputs = [p.name for p in function.outputs]
+    return {"inputs": inputs, "outputs": outputs}
 
 
 def _slips(c: Constraints) -> dict[str, Any]:
@@ -188,9 +192,8 @@ def _limits(limits: Mapping[str, Interval]) -> dict[str, list[float]]:
 
 def _of_joints(part: Robot | Wheel) -> dict[str, Any]:
     """Return noise, encoders and lag of the joints of a robot or a wheel; a key is left out if it would be empty."""
-    parts = ("proportional", "constant")
     facts = {
-        "noise": {joint: {p: float(getattr(n, p)) for p in parts} for joint, n in part.noise.items()},
+        "noise": {joint: _noise(noise) for joint, noise in part.noise.items()},
         "encoder": {joint: _encoder(e) for joint, e in part.encoders.items()},
         "lag": {joint: float(time) for joint, time in part.lag.items()},
     }
@@ -200,8 +203,11 @@ def _of_joints(part: Robot | Wheel) -> dict[str, Any]:
 def _gyro(gyro: Gyro | None) -> dict[str, Any]:
     if gyro is None:
         return {}
-    noise = {part: float(getattr(gyro.noise, part)) for part in ("proportional", "constant")}
-    return {"gyro": {"weight": float(gyro.weight), "noise": noise}}
+    return {"gyro": {"weight": float(gyro.weight), "noise": _noise(gyro.noise)}}
+
+
+def _noise(noise: Noise) -> dict[str, float]:
+    return {"proportional": float(noise.proportional), "constant": float(noise.constant)}
 
 
 def _encoder(e: Encoder) -> dict[str, Any]:
@@ -216,10 +222,10 @@ def strings(rows: Sequence[Sequence[Poly]]) -> list[list[str]]:
 
 def text(poly: Poly) -> str:
     """Return a polynomial in Python syntax over parameter names, ``<wheel>_steer``, sqrt, sin and cos."""
-    ordered = poly.ordered
-    terms = (
-        _term(coefficient, "*".join(_power(g, e) for g, e in monomial)) for monomial, coefficient in ordered
-    )
+    terms = []
+    for monomial, coefficient in poly.ordered:
+        factors = "*".join(_power(g, e) for g, e in monomial)
+        terms.append(_term(coefficient, factors))
     return (" + ".join(terms) or "0").replace("+ -", "- ")
 
 

@@ -14,7 +14,7 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import Kind, declaration
 from wmrgen.functions.registry import standard as standard_functions
 from wmrgen.geometry.layout.records import Robot
-from wmrgen.geometry.ports import Limits, Role
+from wmrgen.geometry.ports import Limits, Port, Role
 from wmrgen.ir.calls import keep_outputs, select, self_contained
 from wmrgen.ir.geometry import unguarded
 from wmrgen.ir.lower import kernels_of, lower
@@ -266,14 +266,17 @@ def vector_form(robot: Robot, space: StateSpace, name: str) -> VectorForm | None
     if formula is None:
         return None
     function, *others = _equivalents(formula, robot.name)
-    vectors = tuple(tuple(p.name for p in ports) for ports in (space.state, space.inputs, space.geometry))
+    vectors = _names(space.state), _names(space.inputs), _names(space.geometry)
     nominal = tuple(float(p.default) for p in space.geometry if p.default is not None)
-    bounds = tuple(
-        tuple(space.limited.bounds[p.name][end] for p in ports)
-        for ports in (space.state, space.inputs, space.limits)
-        for end in (0, 1)
-    )
-    return VectorForm(name, function, vectors, result, nominal, bounds, tuple(others))
+    bounds = []
+    for ports in (space.state, space.inputs, space.limits):
+        for end in (0, 1):
+            bounds.append(tuple(space.limited.bounds[p.name][end] for p in ports))
+    return VectorForm(name, function, vectors, result, nominal, tuple(bounds), tuple(others))
+
+
+def _names(ports: Iterable[Port]) -> tuple[str, ...]:
+    return tuple(port.name for port in ports)
 
 
 def _equivalents(formula: Formula, name: str) -> Iterator[Function]:

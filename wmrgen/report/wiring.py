@@ -110,10 +110,11 @@ def faults(d: Derivation, possible: Sequence[Motion]) -> list[Fault]:
     ]
     size = max(abs(w.pivot) for w in driven)
     every = [m.joints for m in possible if m.joints is not None]
-    return [
-        Fault(text, tuple(_seen(d, _swapped(joints, spins, swaps), size) for joints in every))
-        for text, swaps in wired
-    ]
+    found = []
+    for text, swaps in wired:
+        seen = tuple(_seen(d, _swapped(joints, spins, swaps), size) for joints in every)
+        found.append(Fault(text, seen))
+    return found
 
 
 def _swapped(joints: Joints, spins: Sequence[str], swaps: Mapping[str, tuple[str, int]]) -> Joints:

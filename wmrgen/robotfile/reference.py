@@ -193,7 +193,9 @@ def _types() -> Iterator[str]:
 
 def _sentence(choice: Choice) -> str:
     """Return a sentence about sets of keys that belong together or exclude each other."""
-    sets = [" with ".join(f"`{key}`" for key in keys) for keys in choice.sets]
+    sets = []
+    for keys in choice.sets:
+        sets.append(" with ".join(f"`{key}`" for key in keys))
     if len(sets) == 1:
         return f"Either {sets[0]}, or neither."
     return f"{' or '.join(sets)}, but not both." if choice.optional else f"Either {' or '.join(sets)}."

@@ -349,9 +349,9 @@ def _shared(kernel: Function) -> set[int]:
     Several calls have inputs in common. A compiler shares what they compute only if it does not depend on a choice.
     """
     nodes = kernel.nodes
+    given = {k for k, node in enumerate(nodes) if node.op in (Op.INPUT, Op.CONST)}
     return {
         k
         for k, node in enumerate(nodes)
-        if node.op in (Op.ABS, Op.WITH_SIGN_OF)
-        and all(nodes[a].op in (Op.INPUT, Op.CONST) for a in node.args)
+        if node.op in (Op.ABS, Op.WITH_SIGN_OF) and given.issuperset(node.args)
     }

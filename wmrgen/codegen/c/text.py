@@ -163,9 +163,11 @@ def _pieces(code: str, width: int) -> list[str]:
                 return [parts[0], *_filled_lines(parts[1:], width - len(_INDENT))]
             return _filled_lines(parts, width)
     opened = [k for k, char in enumerate(code) if char in "([" and depths[k] == 1]
-    ends = {k: next((j for j in range(k, len(code)) if not depths[j]), len(code)) for k in opened}
     if not opened:
         return [code]
+    ends = {}
+    for k in opened:
+        ends[k] = next((j for j in range(k, len(code)) if not depths[j]), len(code))
     inside = max(opened, key=lambda k: ends[k] - k) + 1
     rest, narrower = code[inside:], width - len(_INDENT)
     return [code[:inside], *([rest] if len(rest) <= narrower else _pieces(rest, narrower))]

@@ -171,7 +171,9 @@ def _corner(words: str, paper: Paper) -> str:
     wide = width(words)
     corners = [(x, y) for y in (bottom - 6, top + 6) for x in (right - wide, left)]
     boxes = [(x, y - 10, x + wide, y + 4) for x, y in corners]
-    touched = [sum(overlap(box, other) for other in paper.boxes) for box in boxes]
+    touched = []
+    for box in boxes:
+        touched.append(sum(overlap(box, other) for other in paper.boxes))
     return paper.write(corners[touched.index(min(touched))], words)
 
 

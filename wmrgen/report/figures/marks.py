@@ -205,22 +205,22 @@ def legend(entries: Sequence[tuple[str, str]], top: float, paper: Paper) -> tupl
 
 def entries(kinds: list[WheelType], wheels: Sequence[Wheel]) -> list[tuple[str, str]]:
     """Return the entries of the legend: each wheel type with its radii, and the marks that occur."""
-    return [
-        *((kind.name, kind.noun + _radii([w for w in wheels if w.kind is kind])) for kind in kinds),
-        *(
-            (symbol, words)
-            for symbol, words, occurs in (
-                ("roll", "positive rolling", any(kind.has_spin for kind in kinds)),
-                ("pivot", "pivot", any(kind.turns for kind in kinds)),
-                ("roller", "roller axis at the ground", any(kind.rollers for kind in kinds)),
-            )
-            if occurs
-        ),
-    ]
+    found = []
+    for kind in kinds:
+        alike = [w for w in wheels if w.kind is kind]
+        found.append((kind.name, kind.noun + _radii(alike)))
+    if any(kind.has_spin for kind in kinds):
+        found.append(("roll", "positive rolling"))
+    if any(kind.turns for kind in kinds):
+        found.append(("pivot", "pivot"))
+    if any(kind.rollers for kind in kinds):
+        found.append(("roller", "roller axis at the ground"))
+    return found
 
 
 def _radii(wheels: Sequence[Wheel]) -> str:
-    radii = [metres(r) for r in sorted({float(w.nominal.r) for w in wheels if w.nominal.r})]
+    different = {float(w.nominal.r) for w in wheels if w.nominal.r}
+    radii = [metres(r) for r in sorted(different)]
     return f", r = {', '.join(radii[:2])}{', …' * (len(radii) > 2)}" if radii else ""
 
 

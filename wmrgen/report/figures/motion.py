@@ -27,8 +27,8 @@ from wmrgen.report.figures.paper import (
 )
 
 FILE = "motion.svg"
-_LEFT: Box = (8.0, 24.0, 236.0, 268.0)
-_RIGHT: Box = (248.0, 24.0, 472.0, 268.0)
+_LEFT: Box = (8.0, 24.0, 236.0, 268.0)  # px: the panel of the robot frame, in the left half of the page
+_RIGHT: Box = (248.0, 24.0, 472.0, 268.0)  # px: the panel of the world frame, as high as the left one
 
 
 def motion(derivation: Derivation) -> Figure | None:

@@ -49,7 +49,16 @@ def wrapped(words: str, wide: float) -> list[str]:
 
 
 def along(p: Point, direction: Point, reach: float) -> Point:
-    """Return the point at distance ``reach`` from p in a direction."""
+    """Return the point at distance ``reach`` from p in a direction.
+
+    Args:
+        p: a point [px].
+        direction: the direction, a unit vector.
+        reach: the distance [px]; if it is negative, the point is on the other side of p.
+
+    Returns:
+        The point [px].
+    """
     return p[0] + reach * direction[0], p[1] + reach * direction[1]
 
 
@@ -88,7 +97,16 @@ def overlap(a: Box, b: Box) -> float:
 
 
 def clip(p: Point, direction: Point, area: Box) -> Segment | None:
-    """Return the part of the line through p inside a box (Liang-Barsky); None if the line misses the box."""
+    """Return the part of a line inside a box (Liang-Barsky).
+
+    Args:
+        p: a point of the line [px].
+        direction: the direction of the line, a unit vector.
+        area: the box [px].
+
+    Returns:
+        The first and the last point inside the box, in this direction [px]; None if the line misses the box.
+    """
     low, high = -1e9, 1e9
     for at, step, lower, upper in zip(p, direction, area[:2], area[2:], strict=True):
         if abs(step) < 1e-12:
@@ -203,7 +221,17 @@ def arc(centre: Point, start: Point, end: Point, turn: float, cls: str) -> str:
 
 
 def arrow(a: Point, b: Point, cls: str, head: float = 5.0) -> list[str]:
-    """Return an arrow from a to b: a line and a filled head of length 1.5 ``head``."""
+    """Return an arrow from a to b: a line and a filled head.
+
+    Args:
+        a: its start [px].
+        b: its tip [px].
+        cls: class of the SVG elements.
+        head: two thirds of the length of the head [px].
+
+    Returns:
+        The SVG elements.
+    """
     ux, uy = unit(a, b)
     root = along(b, (ux, uy), -1.5 * head)
     tip = (b, along(root, (-uy, ux), 0.62 * head), along(root, (uy, -ux), 0.62 * head))

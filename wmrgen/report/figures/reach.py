@@ -139,7 +139,10 @@ def _measures(robot: Robot) -> list[Measure]:
     """Return a measure for each limit: three limits of the twist, then the limits of wheels."""
     limits = [robot.limits.get(name) for name in NAMES]
     limits[1] = limits[1] or limits[0]  # as in limit_twist
-    measures = [_linear([float(k == i) for i in range(3)], limit) for k, limit in enumerate(limits)]
+    measures = []
+    for k, limit in enumerate(limits):
+        row = [float(k == i) for i in range(3)]
+        measures.append(_linear(row, limit))
     for w in _limited(robot):
         spin, rate = robot.limit(w, "spin"), robot.limit(w, "steer_rate")
         if w.kind.swivels:
@@ -154,7 +157,11 @@ def _measures(robot: Robot) -> list[Measure]:
 
 def _limited(robot: Robot) -> list[Wheel]:
     """Return the wheels that have limits."""
-    return [w for w in robot.wheels if any(robot.limit(w, q) for q in ("spin", "steer", "steer_rate"))]
+    return [w for w in robot.wheels if _is_limited(robot, w)]
+
+
+def _is_limited(robot: Robot, w: Wheel) -> bool:
+    return any(robot.limit(w, quantity) for quantity in ("spin", "steer", "steer_rate"))
 
 
 def _linear(row: list[float], limit: Interval | None) -> Measure:
@@ -213,7 +220,7 @@ def _castor(w: Wheel, spin: Interval | None, rate: Interval | None) -> list[Meas
 
 
 def _panel(plane: Plane, points: list[Point], centre: Point, section: bool) -> Group:
-    most = [max(abs(p[k]) for p in points) or 1.0 for k in (0, 1)]
+    most = max(abs(p[0]) for p in points) or 1.0, max(abs(p[1]) for p in points) or 1.0
     half = _SIZE / 2
 
     def on(p: Point) -> Point:

@@ -16,10 +16,10 @@ Cell = tuple[int, int]  # row, column
 def sketch(robot: Robot) -> list[str]:
     """Return lines of at most 80 characters: wheels as strokes along their rolling direction, P, and names."""
     pivots = [w.pivot for w in robot.wheels] + [0j]
-    spans = [max(values) - min(values) for values in ([p.imag for p in pivots], [p.real for p in pivots])]
-    step = max(
-        spans[0] / _WIDE, spans[1] / _HIGH / 2, max(float(w.nominal.r) for w in robot.wheels) / 3, 1e-9
-    )
+    xs, ys = [p.real for p in pivots], [p.imag for p in pivots]
+    length, wide = max(xs) - min(xs), max(ys) - min(ys)
+    largest_radius = max(float(w.nominal.r) for w in robot.wheels)
+    step = max(wide / _WIDE, length / _HIGH / 2, largest_radius / 3, 1e-9)
     cells: dict[Cell, str] = {(0, 0): _P, (-1, 0): "^"}
     bodies = [_body(w, step) for w in robot.wheels]
     for w, body in zip(robot.wheels, bodies, strict=True):
@@ -27,10 +27,11 @@ def sketch(robot: Robot) -> list[str]:
     for w, body in zip(robot.wheels, bodies, strict=True):
         cells |= _name(w, body, cells)
     rows, columns = zip(*cells, strict=True)
-    return [
-        "".join(cells.get((row, k), " ") for k in range(min(columns), max(columns) + 1)).rstrip()
-        for row in range(min(rows), max(rows) + 1)
-    ]
+    lines = []
+    for row in range(min(rows), max(rows) + 1):
+        line = "".join(cells.get((row, k), " ") for k in range(min(columns), max(columns) + 1))
+        lines.append(line.rstrip())
+    return lines
 
 
 def _body(w: Wheel, step: float) -> list[Cell]:

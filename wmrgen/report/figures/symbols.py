@@ -37,8 +37,10 @@ _FLAT = radians(3)  # smaller angles have no arc, because it would be shorter th
 
 def wheel_symbols(robot: Robot) -> Figure:
     """Return ``symbols.svg``."""
-    kinds = dict.fromkeys(w.type for w in robot.wheels)
-    chosen = [max((w for w in robot.wheels if w.type == kind), key=_visible_quantities) for kind in kinds]
+    chosen = []
+    for kind in dict.fromkeys(w.type for w in robot.wheels):
+        alike = [w for w in robot.wheels if w.type == kind]
+        chosen.append(max(alike, key=_visible_quantities))
     names = ", ".join(f"{w.name} ({w.kind.noun})" for w in chosen)
     return drawn(FILE, f"The symbols of {robot.name} at {names}.", chosen)
 

@@ -63,7 +63,8 @@ def top_view(derivation: Derivation) -> Figure:
     _occupy(wheels, paper)
     sizes = _dimensions(robot, wheels, view, paper, height - 14.0, axes)
     height += 26.0
-    kinds = [kind for name, kind in WHEEL_TYPES.items() if any(w.type == name for w in robot.wheels)]
+    types = {w.type for w in robot.wheels}
+    kinds = [kind for name, kind in WHEEL_TYPES.items() if name in types]
     signed = entries(kinds, robot.wheels) + [("trailer", "trailer (its width is not in the file)")] * bool(
         trailers
     )
@@ -181,8 +182,10 @@ def _track(wheels: Sequence[Wheel], ys: list[float], size: float) -> bool:
         Whether the distance of the outermost wheels is a track.
     """
     sides = [[w for w in wheels if abs(w.pivot.imag - y) <= _SAME * size] for y in (ys[0], ys[-1])]
-    ahead = all(abs(w.zero_heading.imag) < _SAME for side in sides for w in side)
-    return ahead and len({tuple(_places([w.pivot.real for w in side], size)) for side in sides}) == 1
+    if not all(abs(w.zero_heading.imag) < _SAME for side in sides for w in side):
+        return False
+    left, right = ([w.pivot.real for w in side] for side in sides)
+    return _places(left, size) == _places(right, size)
 
 
 def _round(wheels: Sequence[Wheel], size: float) -> bool:

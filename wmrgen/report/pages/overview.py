@@ -25,11 +25,11 @@ def overview(directory: Path) -> dict[str, bytes]:
     models = [model for path in sorted(directory.glob("*/model.json")) if (model := _model(path))]
     if not models:
         return {}
-    texts = (
-        render(f"html/{name}.j2", robots=[_row(model, how, directory) for model in models])
-        for name, how in zip(PAGES, (escape, html_escape), strict=True)
-    )
-    return dict(zip(PAGES, (text.encode() for text in texts), strict=True))
+    pages = {}
+    for name, quoted in zip(PAGES, (escape, html_escape), strict=True):
+        rows = [_row(model, quoted, directory) for model in models]
+        pages[name] = render(f"html/{name}.j2", robots=rows).encode()
+    return pages
 
 
 def _model(path: Path) -> dict[str, Any]:

@@ -148,9 +148,9 @@ def _sources(measured: Measurements) -> list[str]:
     sources = []
     if measured.contacts:
         wheels = [c.wheel for c in measured.contacts]
-        offset, geared, trail = (
-            any(getattr(w.nominal, key) for w in wheels) for key in ("steer_arm", "per_steer", "d")
-        )
+        offset = any(w.nominal.steer_arm for w in wheels)
+        geared = any(w.nominal.per_steer for w in wheels)
+        trail = any(w.nominal.d for w in wheels)
         rate = f"(r φ̇ + {'(o − r k)' if geared else 'o'} ψ̇) e" if offset else "r φ̇ e"
         direction = "with e the rolling direction"
         sources.append(
@@ -330,8 +330,11 @@ def residual(rows: Sequence[Measured]) -> str:
         length = sqrt_poly(Poly.of(sum((c * c for c in normal), ZERO)))
         gap = Poly.sum(value.scale(c) for c, (_, value, _) in zip(normal, rows, strict=True))
         return rf"\left|{latex(gap * length.inverse())}\right|"
-    gaps = [value - dot(row, XI) for row, value, _ in rows]
-    forms = (-p if all(c.sign < 0 for c in p.terms.values()) else p for p in gaps)
+    forms = []
+    for row, value, _ in rows:
+        gap = value - dot(row, XI)
+        negative = all(c.sign < 0 for c in gap.terms.values())
+        forms.append(-gap if negative else gap)
     return rf"\sqrt{{{' + '.join(multiples(squares(forms)))}}}"
 
 
@@ -352,9 +355,10 @@ def _rigid(d: Derivation, contacts: Sequence[Contact]) -> list[str]:
     for c in contacts[:_SHOWN]:
         index = f"_{{{notation.wheel(c.wheel.name)}}}"
         b, w = matrix([[c.bx], [c.by]]), matrix([[c.wx], [c.wy]])
-        wide = sum(max(width(latex(p)) for p in pair) for pair in ((c.bx, c.by), (c.wx, c.wy))) > _STACK
+        wide_b = max(width(latex(p)) for p in (c.bx, c.by))
+        wide_w = max(width(latex(p)) for p in (c.wx, c.wy))
         both = [f"B{index} &= {b}", f"w{index} &= {w}"]
-        blocks += aligned(both if wide else [", & ".join(both)])
+        blocks += aligned(both if wide_b + wide_w > _STACK else [", & ".join(both)])
     if len(contacts) > _SHOWN:
         blocks += [f"B and w of {some([c.wheel for c in contacts[_SHOWN:]])} follow in the same way."]
     if len(contacts) == 1:
@@ -488,7 +492,8 @@ def in_named_lengths(d: Derivation) -> list[str]:
     shown = _written(sums, _TWIST)
     if not shown:
         return []
-    values = [number(p.factor, {q.name: q.value for q in d.robot.parameters}) for p in products]
+    nominal = {p.name: p.value for p in d.robot.parameters}
+    values = [number(p.factor, nominal) for p in products]
     heading = (latex(expression(p.factor)).removeprefix("-") for p in products)
     factors = {head: abs(value) for head, value in zip(heading, values, strict=True)}
     return [*shown, *values_of_factors(d, list(zip(TWIST_NAMES, sums, strict=True)), factors)]
@@ -558,13 +563,19 @@ def _from_three_rows(d: Derivation) -> list[str]:
     """
     rows, nominal = d.measured.rows, d.measured_at_nominal
     order = sorted(range(min(len(rows), _ROWS)), key=lambda k: has_angles((*rows[k][0], rows[k][1])))
-    three = next((t for t in combinations(order, 3) if determinant([list(nominal[k][0]) for k in t])), ())
+
+    def are_independent(three: Sequence[int]) -> bool:
+        return bool(determinant([list(nominal[k][0]) for k in three]))
+
+    three = next(filter(are_independent, combinations(order, 3)), ())
     chosen = [rows[k] for k in three]
     h, z = [list(row) for row, _, _ in chosen], [value for _, value, _ in chosen]
     below = determinant(h)
     if not three or not below or not _has_short_numbers([*z, *(p for row in h for p in row)]):
         return []
-    above = [Poly.sum(a * b for a, b in zip(row, z, strict=True)) for row in adjugate(h)]
+    above = []
+    for row in adjugate(h):
+        above.append(Poly.sum(a * b for a, b in zip(row, z, strict=True)))
     ports = symbol_names(d.formula("forward").inputs)
     if len(below.terms) == 1:
         return _written([with_tangents(terms(p * below.inverse())) for p in above], _SHORT)

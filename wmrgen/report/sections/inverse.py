@@ -290,7 +290,16 @@ def _rates(robot: Robot, wheels: list[Wheel], twist: Row) -> set[tuple[str, Poly
 
 
 def moves_as_partners(robot: Robot, w: Wheel, twist: Row) -> bool:
-    """Return whether all wheels that steer as one with ``w`` move alike."""
+    """Return whether all wheels that steer as one with a wheel move alike.
+
+    Args:
+        robot: the robot.
+        w: the wheel.
+        twist: the velocities vx, vy [m/s] and omega [rad/s] of the robot.
+
+    Returns:
+        Whether one steering angle suits all of them, see `move_alike`.
+    """
     return move_alike(robot.partners(w), twist)
 
 
@@ -302,12 +311,14 @@ def move_alike(wheels: list[Wheel], twist: Row) -> bool:
 def turned_apart(robot: Robot, twist: Row) -> list[list[str]]:
     """Return the coupled wheels whose common spin or swivel rate may force them to slide (see `turned_unlike`)."""
     castors = robot.together("steer", (w for w in robot.wheels if w.kind.swivels))
-    spun = [
-        wheels
-        for wheels in robot.together("spin", (w for w in robot.wheels if w.has_spin))
-        if any(w.turns for w in wheels)
-        and not (all(w in robot.partners(wheels[0]) for w in wheels) and move_alike(wheels, twist))
-    ]
+    spun = []
+    for wheels in robot.together("spin", (w for w in robot.wheels if w.has_spin)):
+        if not any(w.turns for w in wheels):
+            continue
+        partners = robot.partners(wheels[0])
+        steered_alike = all(w in partners for w in wheels) and move_alike(wheels, twist)
+        if not steered_alike:
+            spun.append(wheels)
     return [[w.name for w in wheels] for wheels in (*castors, *spun) if len(wheels) > 1]
 
 
@@ -473,7 +484,8 @@ def closed_inverse(d: Derivation) -> list[str]:
     wheels = [w for w in robot.wheels[:CAP] if w.has_spin]
     if not any(w.actuated for w in robot.wheels):
         return ["No joint is driven, so there is nothing to command."]
-    lines = [spin_rate(w, rim) for w, rim in _rims([w for w in wheels if not w.turns], robot, twist)]
+    not_turning = [w for w in wheels if not w.turns]
+    lines = [spin_rate(w, rim) for w, rim in _rims(not_turning, robot, twist)]
     turning = (
         [w for w in wheels if w.kind.steers],
         [w for w in wheels if w.kind.swivels and w.actuated],
@@ -486,7 +498,7 @@ def closed_inverse(d: Derivation) -> list[str]:
     shown = "".join([*lines, *pivots])
     stars = [line for line in projected(projection) if line.partition(" &=")[0] in shown]
     blocks = aligned([*stars, *lines]) if stars or lines else []
-    if apart := [w.name for w in wheels if not w.turns and w.name in spun]:
+    if apart := [w.name for w in not_turning if w.name in spun]:
         blocks += [
             keyed(
                 "closed.rates_without_couplings",

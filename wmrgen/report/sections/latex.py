@@ -147,7 +147,9 @@ def _term(number: Exact, monomial: Monomial) -> Term:
 
 def _leading(p: Poly) -> Exact:
     """Return the smallest coefficient of the products of most lengths; 1 if there are no lengths."""
-    lengths = {m: sum(e for g, e in m if g.kind == "param") for m in p.terms}
+    lengths = {}
+    for m in p.terms:
+        lengths[m] = sum(e for g, e in m if g.kind == "param")
     most = max(lengths.values())
     return min((c for m, c in p.terms.items() if lengths[m] == most), key=abs) if most > 0 else ONE
 
@@ -242,7 +244,7 @@ def pieces(terms: Sequence[Term]) -> list[str]:
         if not lead or len(members) == 1:
             signed += [_product(t.number, t.factors, style=t.style) for t in members]
             continue
-        rest = [replace(t, factors=tuple(f for f in t.factors if f.base != lead)) for t in members]
+        rest = [_without(lead, t) for t in members]
         inside = pieces(rest)
         one = inside[0] if len(inside) == 1 else rf"+\left({total(rest)}\right)"
         signed.append(f"{one}{lead}" if one.endswith(")") else f"{one}{_SPACE}{lead}")
@@ -261,10 +263,20 @@ def _by_angles(terms: Sequence[Term]) -> list[str]:
         if not angles or len(members) == 1:
             signed += [_product(t.number, t.factors, style=t.style) for t in members]
             continue
-        rest = [replace(t, factors=tuple(f for f in t.factors if f.rank != 1)) for t in members]
+        rest = [_without_angles(t) for t in members]
         number, common, inner = pulled_out(rest)
         signed.append(_product(number, (*common, *angles), total(inner), members[0].style))
     return signed
+
+
+def _without(base: str, t: Term) -> Term:
+    """Return a term without its factors of this base."""
+    return replace(t, factors=tuple(f for f in t.factors if f.base != base))
+
+
+def _without_angles(t: Term) -> Term:
+    """Return a term without its sines and cosines."""
+    return replace(t, factors=tuple(f for f in t.factors if f.rank != 1))
 
 
 def _in_one_style(terms: Sequence[Term]) -> Sequence[Term]:
@@ -297,11 +309,16 @@ def _key(t: Term) -> tuple[object, ...]:
     return leads or ((9, ""),), plain, tuple((f.rank, *f.order) for f in t.factors)
 
 
+def _power(base: str, t: Term) -> int:
+    """Return the power of this base in a term; 0 if no factor has it."""
+    return next((f.power for f in t.factors if f.base == base), 0)
+
+
 def pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[Term]]:
     """Return the number and the factors that all terms share, and the terms without them."""
     shared = []
     for f in terms[0].factors:
-        powers = [next((g.power for g in t.factors if g.base == f.base), 0) for t in terms]
+        powers = [_power(f.base, t) for t in terms]
         if all(p > 0 for p in powers) or all(p < 0 for p in powers):
             shared.append(replace(f, power=min(powers, key=abs)))
     common = {f.base: f.power for f in shared}
@@ -393,8 +410,11 @@ def upright(column: Row) -> Row:
 
 def _halves_a_length(column: Row) -> bool:
     """Return whether a named length has a fraction as coefficient."""
-    numbers = (c for p in column for m, c in p.terms.items() if any(g.kind == "param" for g, _ in m))
-    return any(c.den > 1 for c in numbers)
+    for p in column:
+        for monomial, c in p.terms.items():
+            if c.den > 1 and any(g.kind == "param" for g, _ in monomial):
+                return True
+    return False
 
 
 def readable(p: Poly) -> str:
@@ -477,7 +497,8 @@ def equation(p: Poly) -> Poly:
     p = without_lengths(p)
     numbers = list(p.terms.values())
     least = min(map(abs, numbers))
-    simple = all(max(map(abs, (*q.num, q.den))) <= COMMON for q in (c / least for c in numbers))
+    ratios = [c / least for c in numbers]
+    simple = all(max(map(abs, (*q.num, q.den))) <= COMMON for q in ratios)
     size = least if simple else Exact(1)
     negative = sum(c.sign for c in numbers) < 0 or (numbers[0].sign < 0 and sum(c.sign for c in numbers) == 0)
     return p.scale((-size if negative else size).inverse())

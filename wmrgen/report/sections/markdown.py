@@ -123,7 +123,16 @@ def grouped(pairs: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], align: str) -> list[str]:
-    """Return a table. ``align`` has a letter per column, l for words and r for numbers; its last letter repeats."""
+    """Return a table.
+
+    Args:
+        head: the words above the columns.
+        rows: the cells of each row, as many as ``head`` has.
+        align: a letter for each column, l for words and r for numbers; the last letter repeats.
+
+    Returns:
+        One block of Markdown.
+    """
     rule = [":--" if align[min(i, len(align) - 1)] == "l" else "--:" for i in range(len(head))]
     return ["\n".join(f"| {' | '.join(row)} |" for row in (head, rule, *rows))]
 
@@ -157,11 +166,11 @@ def aligned(lines: Iterable[str]) -> list[str]:
 def written(d: Derivation) -> list[tuple[list[str], str]]:
     """Return the generated files next to a page, each with its purpose; the C example only if the robot has a joint."""
     every = (files for entry in BACKENDS.values() for files in entry.files if files.what)
-    rows = [
-        ([name.format(robot=d.robot.name) for name in files.names], files.what)
-        for files in every
-        if d.c_module.joints or "example/main.c" not in files.names
-    ]
+    rows = []
+    for files in every:
+        if d.c_module.joints or "example/main.c" not in files.names:
+            names = [name.format(robot=d.robot.name) for name in files.names]
+            rows.append((names, files.what))
     return [*rows, (["model.json"], "the contents of the report, as data")]
 
 

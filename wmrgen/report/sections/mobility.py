@@ -173,10 +173,9 @@ def _actuation(d: Derivation) -> list[str]:
     spins = [Poly.gen("input", f"{w.name}.spin") for w in d.robot.wheels if "spin" in w.actuated]
     if len(spins) > _RELATIONS + 3:
         return blocks
-    sums = [
-        Poly.sum(led(d.robot, p) * spin for p, spin in zip(row, spins, strict=True))
-        for row in relations(d.robot, d.mobility, symbolic_view)
-    ]
+    sums = []
+    for row in relations(d.robot, d.mobility, symbolic_view):
+        sums.append(Poly.sum(led(d.robot, p) * spin for p, spin in zip(row, spins, strict=True)))
     lines = [f"0 &= {wrapped(summands(gathered(terms(p))))}" for p in whole(sums)]
     if not lines or max(map(width, lines)) > 2 * WIDE or len(lines) > _RELATIONS:
         return blocks
@@ -249,7 +248,8 @@ def skid(d: Derivation) -> list[str]:
     if track is None:
         return []
     pivots = [w.pivot for w in d.driven.robot.wheels if w.kind.fixed_axle]
-    x, y = ((min(p) + max(p)) / 2 for p in zip(*((z.real, z.imag) for z in pivots), strict=True))
+    xs, ys = [z.real for z in pivots], [z.imag for z in pivots]
+    x, y = (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
     steered = any(w.kind.steers for w in d.robot.wheels)
     model = "a robot with its fixed wheels" if steered else "a differential drive"
     return [

@@ -65,7 +65,9 @@ def _posture(d: Derivation) -> list[str]:
     if not columns:
         return ["The robot cannot move without sliding, so the posture model is empty: all rates are 0."]
     etas = [Poly.gen("input", f"eta{k}") for k in range(1, len(columns) + 1)]
-    rates = [Poly.sum(c[i] * eta for c, eta in zip(columns, etas, strict=True)) for i in range(3)]
+    rates = []
+    for i in range(3):
+        rates.append(Poly.sum(c[i] * eta for c, eta in zip(columns, etas, strict=True)))
     steering = bool(d.mobility.basis_wheels)
     rates_of = "dψ<sub>i</sub>/dt = ψ̇<sub>i</sub>"
     turned = d.mobility.skids or any(w.kind.steers for w in d.robot.wheels)  # the robot turns if wheels slide
@@ -141,9 +143,10 @@ def _in_driven_speeds(d: Derivation) -> list[str]:
     if motion.swivels or len(motion.frame.wheels) > 1:
         return []
     inputs = [Poly.gen("input", p.name) for p in motion.inputs]
-    vx, vy, omega = (
-        Poly.sum(twist[i] * u for twist, u in zip(motion.twists, inputs, strict=True)) for i in range(3)
-    )
+    rates = []
+    for i in range(3):
+        rates.append(Poly.sum(twist[i] * u for twist, u in zip(motion.twists, inputs, strict=True)))
+    vx, vy, omega = rates
     towed = turns(motion, d.mobility, bool(vy)) if d.robot.trailers else ()
     if any(size(turn) > LONGEST for turn in towed):
         return []
@@ -151,7 +154,8 @@ def _in_driven_speeds(d: Derivation) -> list[str]:
     if max(map(width, lines)) > PAGE:
         return []
     named = ("speed", "spin") if motion.followers else ("speed",)
-    drives = [owner for owner, _, joint in (p.name.rpartition(".") for p in motion.inputs) if joint in named]
+    split = [p.name.rpartition(".") for p in motion.inputs]
+    drives = [owner for owner, _, joint in split if joint in named]
     speeds = "speeds of driven wheels"
     if drives:
         speeds = f"speed{'s' * (len(drives) > 1)} of {_virtual(d.robot, drives)}{listed(drives)}"

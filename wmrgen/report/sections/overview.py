@@ -193,7 +193,9 @@ def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
         ("weight", any(w.weight != ONE for w in wheels), lambda w: plain(w.weight)),
     )  # fmt: skip
     shown = [(head, cell) for head, occurs, cell in columns if occurs]
-    return table([head for head, _ in shown], [[cell(w) or "—" for _, cell in shown] for w in wheels], "lllr")
+    heads = [head for head, _ in shown]
+    rows = [[cell(w) or "—" for _, cell in shown] for w in wheels]
+    return table(heads, rows, "lllr")
 
 
 def _legend(robot: Robot) -> str:
@@ -218,8 +220,8 @@ def _legend(robot: Robot) -> str:
 
 def _turning(kinds: list[WheelType]) -> str:
     """Return the wheel types that turn about a vertical axis: steered wheels and castors."""
-    nouns = [f"{noun}s" for noun in dict.fromkeys(k.noun for k in kinds if k.turns)]
-    return notation.listed(nouns) if nouns else ""
+    nouns = dict.fromkeys(k.noun for k in kinds if k.turns)
+    return notation.listed([f"{noun}s" for noun in nouns]) if nouns else ""
 
 
 def _in_code(p: Parameter) -> str:

@@ -187,7 +187,8 @@ def _pfaffian(d: Derivation) -> list[str]:
         return []
     castors = [w for w in d.robot.wheels if w.kind.swivels]
     turning = castors or [w for w in d.robot.wheels if w.nominal.steer_arm]
-    offset, geared = (any(getattr(w.nominal, key) for w in turning) for key in ("steer_arm", "per_steer"))
+    offset = any(w.nominal.steer_arm for w in turning)
+    geared = any(w.nominal.per_steer for w in turning)
     last = (" −O" if offset else " 0", " 0", " D") if turning else ("", "", "")
     rows = [f"J₁ −J₂{last[0]}" if c.rolling else "", f"C₁ 0{last[1]}" if c.sliding_fixed or c.sliding_steered else "",
             f"C<sub>c</sub> 0{last[2]}" if castors else ""]  # fmt: skip

@@ -106,7 +106,11 @@ def _counts(robot: Robot) -> str:
 
 def _rows(possible: list[Motion]) -> list[list[str]]:
     names = list(dict.fromkeys(n for m in possible for n in m.joints or {}))
-    return [[code(n), *(_cell(n, (m.joints or {}).get(n, 0.0)) for m in possible)] for n in names]
+    rows = []
+    for name in names:
+        cells = [_cell(name, (m.joints or {}).get(name, 0.0)) for m in possible]
+        rows.append([code(name), *cells])
+    return rows
 
 
 def _cell(name: str, value: float) -> str:

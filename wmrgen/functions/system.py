@@ -165,9 +165,11 @@ def with_guards(formula: Formula) -> Formula:
     names, memo = Locals(), dict[Expr, Expr]()
     for symbol, value in formula.locals:
         names.define(symbol.name, guarded(value, names, memo))
-    names.calls = [
-        call._replace(args=tuple(guarded(a, names, memo) for a in call.args)) for call in formula.calls
-    ]
+    calls = []
+    for call in formula.calls:
+        args = tuple(guarded(a, names, memo) for a in call.args)
+        calls.append(call._replace(args=args))
+    names.calls = calls
     outputs = [(port, guarded(value, names, memo)) for port, value in formula.outputs]
     return names.formula(formula.name, formula.inputs, outputs, formula.text)
 

@@ -120,7 +120,17 @@ class Builder(Tape):
         return a if a == b else self._plain(Op.MAX, a, b)
 
     def select(self, a: int, b: int, x: int, y: int) -> int:
-        """x if a < b, else y. Both are always computed."""
+        """Return x if a < b, else y. Both are always computed.
+
+        Args:
+            a: the node on the left of the comparison.
+            b: the node on the right.
+            x: the result if a < b.
+            y: the result otherwise.
+
+        Returns:
+            The node of the choice: x or y itself if the outcome is known or both are the same.
+        """
         p, q = self.value(a), self.value(b)
         if a == b or (p is not None and q is not None):
             return x if p is not None and q is not None and p < q else y

@@ -106,7 +106,11 @@ def _early(function: Function, shape: _Shape, scalars: Scalars, kept: frozenset[
             nested.update(a for a in node.args if linear[a] and nodes[a].op in _SUMS and depth[a] < below)
     rows = _rows(function, shape, scalars, kept | nested, len(nodes)) or {}
     others = [row.keys() for i, row in rows.items() if i not in nested]
-    return frozenset(i for i in nested & rows.keys() if any(len(rows[i].keys() & row) > 1 for row in others))
+
+    def shares_two_terms(i: int) -> bool:
+        return any(len(rows[i].keys() & row) > 1 for row in others)
+
+    return frozenset(i for i in nested & rows.keys() if shares_two_terms(i))
 
 
 def _rows(
@@ -199,10 +203,11 @@ def _plan(function: Function, rows: Rows) -> _Plan:
     for members in _groups(function, rows):
         columns = sorted({term for root in members for term in rows[root]})
         index = {term: j for j, term in enumerate(columns)}
-        matrix = tuple(tuple((index[term], c) for term, c in rows[root].items()) for root in members)
+        matrix = []
         for i, root in enumerate(members):
             plan.place[root] = (len(plan.groups), i)
-        plan.groups.append((*cheapest(matrix, len(columns)), columns))
+            matrix.append(tuple((index[term], c) for term, c in rows[root].items()))
+        plan.groups.append((*cheapest(tuple(matrix), len(columns)), columns))
     return plan
 
 

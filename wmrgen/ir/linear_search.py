@@ -54,11 +54,12 @@ def _merge_pairs(rows: Sequence[Row], key_of: KeyOf, merge: Callable[[PairKey], 
             for key, holders in where.items()
             if len(rest := holders - users if i in key[:2] or j in key[:2] else holders) > 1
         }
+        added = []
         for r in users:
             magnitude, sign = rows[r].pop(i)
             del rows[r][j]
+            added.append((r, [(column, new) for column in rows[r]]))
             rows[r][new] = (magnitude, sign * flip)
-        added = [(r, [(column, new) for column in rows[r] if column != new]) for r in users]
         where |= _shared(rows, added, key_of)
 
 

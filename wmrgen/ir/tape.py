@@ -78,7 +78,17 @@ class Tape:
         return self.put(Op.DIV, a, b)
 
     def select(self, a: int, b: int, x: int, y: int) -> int:
-        """x if a < b, else y."""
+        """Return x if a < b, else y.
+
+        Args:
+            a: the node on the left of the comparison.
+            b: the node on the right.
+            x: the result if a < b.
+            y: the result otherwise.
+
+        Returns:
+            The node of the choice.
+        """
         return self.put(Op.SELECT, a, b, x, y)
 
     def horner(self, x: int, coefficients: tuple[Exact, ...]) -> int:

@@ -19,7 +19,6 @@ from wmrgen.geometry.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, Arithmetic, Number, evaluate
 from wmrgen.ir.nodes import Function, Module, Op
 
-_MODULUS = 2**61 - 1
 PRIME = 2**61 - 465  # = 23 modulo 24: 2 and 3 are squares, so that all of Q(√2, √3) embeds
 _ROOT2 = pow(2, (PRIME + 1) // 4, PRIME)
 _ROOT3 = pow(3, (PRIME + 1) // 4, PRIME)
@@ -39,7 +38,8 @@ def mix(*numbers: int) -> int:
     """Return a hash of integers that does not depend on Python's own."""
     state = 0x2545F4914F6CDD1D
     for number in numbers:
-        state = (state * 6364136223846793005 + number % _MODULUS + 1442695040888963407) % 2**64
+        residue = number % (2**61 - 1)  # a Mersenne prime: 2**64 would drop upper bits
+        state = (state * 6364136223846793005 + residue + 1442695040888963407) % 2**64
         state ^= state >> 29
     return state
 

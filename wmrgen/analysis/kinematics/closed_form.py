@@ -236,7 +236,10 @@ def _norm_of_errors(rows: Sequence[Measured], twist: list[Expr], names: Locals) 
 def _one_relation(rows: Sequence[Measured], names: Locals) -> Poly:
     """Return (w . z) / sqrt(w W^-1 w) for four rows, where w H = 0: w has the 3x3 minors of H in lowest terms."""
     matrix = [[unrelated(p) for p in row] for row, _, _ in rows]
-    minors = [determinant([row for k, row in enumerate(matrix) if k != i]) for i in range(4)]
+    minors = []
+    for i in range(4):
+        others = [row for k, row in enumerate(matrix) if k != i]
+        minors.append(determinant(others))
     signed = [-p if i % 2 else p for i, p in enumerate(map(shorter, minors))]
     divisor = common_divisor(signed)
     null = [names.short(f"null{i}", related(divided(p, divisor))) for i, p in enumerate(signed)]

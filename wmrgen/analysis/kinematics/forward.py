@@ -7,7 +7,7 @@ row. A constant normal matrix is inverted here, and not on the robot.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -161,7 +161,8 @@ def _numbers(rows: list[Row], nominal: Mapping[str, Poly]) -> list[list[Exact]]:
     """Return rows at nominal parameters."""
     numbers = []
     for row in rows:
-        values = [value for value in (fix(p, nominal).constant for p in row) if value is not None]
+        constants = [fix(p, nominal).constant for p in row]
+        values = [value for value in constants if value is not None]
         assert len(values) == 3
         numbers.append(values)
     return numbers
@@ -184,11 +185,16 @@ def _short_equations(rows: list[Measured]) -> tuple[Matrix, list[Poly]] | None:
 
     With T terms in an entry of H^T H and M in an entry of H^T z, an entry of the twist has about T**2 M terms.
     """
-    if sum(max(len(p.terms) for p in r) ** 2 for r, _, _ in rows) > MOST_TERMS:
+    if sum(_longest(row) ** 2 for row, _, _ in rows) > MOST_TERMS:
         return None
     normal, moment = normal_equations(rows)
-    size = max(len(p.terms) for row in normal for p in row) ** 2 * max(len(p.terms) for p in moment)
+    size = max(map(_longest, normal)) ** 2 * _longest(moment)
     return (normal, moment) if size <= MOST_TERMS else None
+
+
+def _longest(polys: Iterable[Poly]) -> int:
+    """Return the largest number of terms that one of the polynomials has."""
+    return max(len(p.terms) for p in polys)
 
 
 def _step_by_step(rows: list[Measured], rank: NominalRank, names: Locals) -> tuple[Twist, Expr]:

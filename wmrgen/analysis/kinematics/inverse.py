@@ -59,8 +59,8 @@ def inverse(robot: Robot, mobility: Mobility) -> Formula:
             "; a wheel steers from its present angle to the nearest heading inside its limits, and keeps its angle at "
             "standstill"
         )
-    limits = [limit for limit in (robot.limit(w, "steer") for w in steered) if limit is not None]
-    if any(hysteresis(limit) for limit in limits):
+    limits = [robot.limit(w, "steer") for w in steered]
+    if any(limit is not None and hysteresis(limit) for limit in limits):
         text += (
             ". At a stop it keeps that heading, clamped to the limit, until the opposite heading is closer to the "
             "limits by 5 degrees: noise does not make it swing between both"

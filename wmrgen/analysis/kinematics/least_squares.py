@@ -40,8 +40,12 @@ Measured = tuple[Row, Poly, Exact]  # row, value and weight of the equation row 
 
 def normal_equations(rows: Sequence[Measured]) -> tuple[Matrix, list[Poly]]:
     """Return H^T W H and H^T W z."""
+
+    def moment(i: int) -> Poly:
+        return Poly.sum((r[i] * z).scale(w) for r, z, w in rows)
+
     normal = symmetric(lambda i, j: Poly.sum((r[i] * r[j]).scale(w) for r, _, w in rows))
-    return normal, [Poly.sum((r[i] * z).scale(w) for r, z, w in rows) for i in range(3)]
+    return normal, [moment(i) for i in range(3)]
 
 
 def named_normal(normal: Matrix, name: Callable[[str, Poly, str], Poly]) -> Matrix:

@@ -325,13 +325,18 @@ def lower_bound(measured: Measurements) -> float:
     """Return a lower bound of det N from the constant rows; 0 if they do not have rank 3 for all parameters."""
     rows = []
     for row, _, weight in measured.rows:
-        values = [v for v in (p.constant for p in row) if v is not None]
+        constants = [p.constant for p in row]
+        values = [v for v in constants if v is not None]
         if len(values) == 3:
             size = math.sqrt(float(weight))
             rows.append([size * float(v) for v in values])
     if _rank(rows, measured.wheels) < 3:
         return _bound_of_three(measured)
-    a, b, c = [[sum(r[i] * r[j] for r in rows) for j in range(3)] for i in range(3)]  # N
+
+    def entry(i: int, j: int) -> float:
+        return sum(r[i] * r[j] for r in rows)
+
+    a, b, c = [[entry(i, j) for j in range(3)] for i in range(3)]  # N
     return float(sum(x * y for x, y in zip(a, np.cross(b, c), strict=True)))
 
 

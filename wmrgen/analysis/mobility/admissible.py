@@ -19,7 +19,7 @@ from wmrgen.analysis.mobility.records import Admissible, Array
 from wmrgen.geometry.constraints import ConstraintRow, Constraints
 from wmrgen.geometry.exact.linalg import left_null_space
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
-from wmrgen.geometry.exact.poly import Poly, Row, triple
+from wmrgen.geometry.exact.poly import Row, sum_of_rows
 from wmrgen.geometry.layout.records import Robot, Wheel
 
 SMALL = 1e-9  # relative to rows and forms of size 1: smaller ones are zero up to rounding
@@ -91,7 +91,7 @@ def _eliminate(robot: Robot, rows: Sequence[ConstraintRow]) -> list[Row]:
     combined: list[Row] = []
     for weights in left_null_space(table):
         weighted = [[p.scale(w) for p in c.row] for w, c in zip(weights, rows, strict=True) if w]
-        combined.append(triple(Poly.sum(row[i] for row in weighted) for i in range(3)))
+        combined.append(sum_of_rows(weighted))
     return [row for row in combined if any(row)]
 
 

@@ -153,9 +153,14 @@ def _generic_point(robot: Robot, castors: Sequence[str]) -> dict[Gen, Poly]:
 def _value(field: _Field, point: Mapping[Gen, Poly]) -> Array:
     """Return the field at a point, scaled to components of at most 1, with rounding errors replaced by 0."""
     values = [float(p.substitute(point.get).constant or 0) for p in field.components]
-    size = max(sum(abs(float(c)) for c in p.terms.values()) for p in field.components)
+    size = max(map(_bound, field.components))
     unit = np.array([values]) / (size or 1.0)
     return np.where(np.abs(unit) < _VANISHED, 0.0, unit)
+
+
+def _bound(p: Poly) -> float:
+    """Return the sum of the absolute coefficients: the largest value of ``p`` if no generator exceeds 1."""
+    return sum(abs(float(c)) for c in p.terms.values())
 
 
 def _bracket(f: _Field, g: _Field, state: Sequence[str]) -> _Field:

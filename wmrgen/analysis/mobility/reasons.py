@@ -343,7 +343,8 @@ def _rank(rows: list[Row]) -> int:
     """Return the rank of those rows that are numbers."""
     numbers = []
     for row in rows:
-        values = [value for value in (p.constant for p in row) if value is not None]
+        constants = [p.constant for p in row]
+        values = [value for value in constants if value is not None]
         if len(values) == 3:
             numbers.append(values)
     return numeric_rank(unit_rows(to_array(numbers)))[0]

@@ -65,7 +65,8 @@ THROUGH_P = Axle(Poly.of(1), Poly({}), Poly({}), Poly({}))  # for robots without
 def axle_of(fixed: Sequence[Wheel], view: View) -> Axle:
     """Return the mean of fixed wheels and their direction, pointing forward, or to the left if exactly sideways."""
     views = [view(w) for w in fixed]
-    x, y = (without_rounding(mean([getattr(g, k) for g in views]))[0] for k in "xy")
+    (x,) = without_rounding(mean([g.x for g in views]))
+    (y,) = without_rounding(mean([g.y for g in views]))
     lead = fixed[0].nominal
     ahead = lead.ch if abs(float(lead.ch)) > 1e-9 else lead.sh
     sign = 1 if float(ahead) > 0 else -1

@@ -9,7 +9,7 @@ configuration of the set is computed from all brackets. Any other minor is repor
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations
 from math import prod
@@ -70,8 +70,7 @@ def _minors(rows: list[Field]) -> Iterator[Poly]:
     """Yield the minors of full size that are not zero and short enough to be expanded."""
     for columns in combinations(range(len(rows[0])), len(rows)):
         entries = [[row[k] for k in columns] for row in rows]
-        sizes = [sum(len(p.terms) for p in row) for row in entries]
-        if prod(max(1, size) for size in sizes) <= MOST_TERMS:
+        if prod(max(1, _terms_in(row)) for row in entries) <= MOST_TERMS:
             minor = determinant(entries)
             if minor:
                 yield minor
@@ -90,10 +89,17 @@ def _zeros(minor: Poly, values: Mapping[str, Poly]) -> tuple[Poly, ...]:
     return tuple(dict.fromkeys(found))
 
 
+def _terms_in(row: Sequence[Poly]) -> int:
+    return sum(len(p.terms) for p in row)
+
+
 def _factors(p: Poly) -> list[Poly]:
     """Return the factors of a short polynomial with rational coefficients, each once; else the polynomial itself."""
     gens = p.generators
-    powers = {tuple(dict(m).get(g, 0) for g in gens): c for m, c in p.terms.items()}
+    powers: dict[tuple[int, ...], Exact] = {}  # coefficient by the exponents of the generators
+    for m, c in p.terms.items():
+        exponent_of = dict(m)
+        powers[tuple(exponent_of.get(g, 0) for g in gens)] = c
     if (
         len(powers) > MOST_FACTORED
         or min(map(min, powers)) < 0
@@ -164,6 +170,10 @@ def _vector(system: System, growth: Growth, point: Mapping[str, Exact]) -> tuple
     inputs = [b.polys for b in growth.brackets if b.order == 1]
     slopes, newest, rows, dims, formed = Slopes(growth.state), inputs, [], list[int](), 0
     seen = {*inputs}
+
+    def is_new(field: Field) -> bool:
+        return any(field) and field not in seen and tuple(-p for p in field) not in seen
+
     while newest and formed <= MOST_BRACKETS:
         rows += [[value_at(p, point, values) for p in field] for field in newest]
         dims.append(rank(rows))
@@ -172,9 +182,7 @@ def _vector(system: System, growth: Growth, point: Mapping[str, Exact]) -> tuple
         pairs = combinations(inputs, 2) if newest is inputs else ((g, b) for b in newest for g in inputs)
         rates = {f: slopes.jacobian(f) for f in {*inputs, *newest}}
         fields = [bracket_by(f, rates[f], g, rates[g]) for f, g in pairs]
-        newest = [
-            f for f in dict.fromkeys(fields) if any(f) and f not in seen and tuple(-p for p in f) not in seen
-        ]
+        newest = [f for f in dict.fromkeys(fields) if is_new(f)]
         seen.update(newest)
         formed += len(newest)
     return ()

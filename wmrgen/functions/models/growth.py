@@ -108,9 +108,7 @@ def growth(system: System, seed: int = 0, most: int = MOST_PRODUCTS) -> Growth:
         rows.append(row)
         return True
 
-    inputs = [
-        Bracket(f"g{k + 1}", 1, tuple(to_poly(e) for e in field)) for k, field in enumerate(system.fields)
-    ]
+    inputs = [Bracket(f"g{k + 1}", 1, tuple(map(to_poly, field))) for k, field in enumerate(system.fields)]
     newest = [b for b in inputs if adds_a_dimension(b)]
     vector, work, slopes = [len(reached)], 0, Slopes(state)
     rates: dict[str, tuple[Field, ...]] = {}

@@ -40,7 +40,7 @@ from wmrgen.functions.models.tied import where_motions_meet
 from wmrgen.functions.models.virtual import as_wheel, driving, steering_frame
 from wmrgen.functions.system import Domain
 from wmrgen.geometry.exact.linalg import adjugate, determinant
-from wmrgen.geometry.exact.poly import Poly, Row
+from wmrgen.geometry.exact.poly import Poly, Row, sum_of_rows
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.notation import in_backticks
 from wmrgen.geometry.ports import Port, Role, output
@@ -161,7 +161,9 @@ def eta_motion(robot: Robot, mobility: Mobility, symbolic: bool = False, virtual
         for k, column in enumerate(columns, 1)
     )
     inputs = (*ports, *_rate_ports(coordinates))
-    etas = [tuple(Poly.of(int(i == k)) for i in size) for k in range(len(inputs))]
+    etas: list[Eta] = []
+    for k in range(len(inputs)):
+        etas.append(tuple(Poly.of(int(i == k)) for i in size))
     return _motion(coordinates, inputs, etas, Poly.of(1), "posture model in null-space coordinates")
 
 
@@ -196,8 +198,8 @@ def _motion(
     """Return the motion of inputs with the given coordinates."""
     twists = []
     for eta in etas:
-        x, y, turn = (Poly.sum(c[i] * e for c, e in zip(frame.columns, eta, strict=True)) for i in range(3))
-        twists.append(divided((x, y, turn), divisor))
+        scaled_columns = [[p * e for p in column] for column, e in zip(frame.columns, eta, strict=True)]
+        twists.append(divided(sum_of_rows(scaled_columns), divisor))
     return Motion(frame, inputs, tuple(etas), divisor, tuple(twists), text, followers)
 
 
@@ -210,7 +212,10 @@ def _solve(drives: list[Drive], rates: tuple[str, ...]) -> tuple[list[Eta], Poly
     etas = []
     for u in inputs:
         driven = [k for k in size if u[k]]
-        etas.append(tuple(Poly.sum(inverse[m][k] * u[k] for k in driven) for m in size))
+        eta = []
+        for row in inverse:
+            eta.append(Poly.sum(row[k] * u[k] for k in driven))
+        etas.append(tuple(eta))
     return etas, determinant(matrix)
 
 
@@ -285,7 +290,7 @@ def _coincident(frame: Frame, w: Wheel) -> Wheel:
 
 def _independent(rows: list[list[float]]) -> bool:
     """Return whether rows are independent."""
-    sizes = [max(abs(v) for v in row) for row in rows]
+    sizes = [max(map(abs, row)) for row in rows]
     if min(sizes) < 1e-12:
         return False
     scaled = np.array([[v / size for v in row] for row, size in zip(rows, sizes, strict=True)])

@@ -67,10 +67,10 @@ def limited(
     ports = (*entries, *system.geometry)
     text = f"limited quantities in addition to x and u: {', '.join(p.name for p, _ in outputs)}"
     h = terms.locals.formula("limits", ports, outputs, text)
-    bounds = {p.name: _bound(robot, p.name) for p in (*entries, *(p for p, _ in outputs))}
+    names = [p.name for p in entries] + [p.name for p, _ in outputs]
+    bounds = {name: _bound(robot, name) for name in names}
     bounds |= {p.name: terms.range(p.name) for p in entries if p.name.endswith((".steer", ".steer_command"))}
-    shown = [p.name for p in (*entries, *(p for p, _ in outputs))]
-    changes = {n: _bound(robot, rate) for n in shown if (rate := _rate_of(n)) and robot.limit_of(rate)}
+    changes = {n: _bound(robot, rate) for n in names if (rate := _rate_of(n)) and robot.limit_of(rate)}
     return Limited(bounds, changes, h if outputs else None, tuple(absent))
 
 

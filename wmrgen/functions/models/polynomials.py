@@ -58,7 +58,11 @@ def angles_in(polys: tuple[Poly, ...] | Row) -> set[str]:
 def without_rounding(*polys: Poly) -> tuple[Poly, ...]:
     """Return the polynomials without terms that are only rounding errors of their coefficients."""
     least = NEGLIGIBLE * max((abs(float(c)) for p in polys for c in p.terms.values()), default=0.0)
-    return tuple(Poly({m: c for m, c in p.terms.items() if abs(float(c)) > least}) for p in polys)
+
+    def large_terms(p: Poly) -> Poly:
+        return Poly({m: c for m, c in p.terms.items() if abs(float(c)) > least})
+
+    return tuple(map(large_terms, polys))
 
 
 def row_without_rounding(row: Row) -> Row:

@@ -57,7 +57,7 @@ from wmrgen.geometry.constraints import (
     working_view,
 )
 from wmrgen.geometry.exact.number import ONE
-from wmrgen.geometry.exact.poly import Poly, Row, at_angle, common_powers, dot, triple
+from wmrgen.geometry.exact.poly import Gen, Poly, Row, at_angle, common_powers, dot, triple
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.ports import POSE, TWIST_NAMES, Port, Role, output
 from wmrgen.geometry.symbolic import Expr, add, expression, rotated, signal, square, subtract
@@ -234,9 +234,13 @@ def _sums(motion: Motion, names: Locals) -> list[Poly]:
     """
     powers = [common_powers(twist) for twist in motion.twists]
     moving = [own for own, twist in zip(powers, motion.twists, strict=True) if any(twist)]
+
+    def in_every_twist(g: Gen) -> bool:
+        return all(g in own for own in moving)
+
     sums = [Poly({})] * 3
     for own, twist, u in zip(powers, motion.twists, motion.inputs, strict=True):
-        alone = {g: e for g, e in own.items() if e and any(g not in other for other in moving)}
+        alone = {g: e for g, e in own.items() if e and not in_every_twist(g)}
         scaled = signal_poly(u.name)
         if alone and any(twist):
             scale = Poly({tuple(sorted(alone.items())): ONE})
@@ -289,8 +293,11 @@ def _wheel_rates(motion: Motion, w: Wheel) -> list[Poly]:
 
 def _per_input(motion: Motion, row: Eta) -> list[Poly]:
     """Return row . eta for each input."""
-    above = (Poly.sum(p * e for p, e in zip(row, eta, strict=True)) for eta in motion.etas)
-    return [quotient(without_rounding(p)[0], motion.divisor) for p in above]
+    values = []
+    for eta in motion.etas:
+        product = Poly.sum(p * e for p, e in zip(row, eta, strict=True))
+        values.append(quotient(without_rounding(product)[0], motion.divisor))
+    return values
 
 
 @system("zeta")

@@ -55,7 +55,7 @@ def sheet_of(form: str, system: System) -> Sheet:
     )
     return Sheet(
         form, system.text, system.state, system.inputs, system.geometry, (), equations,
-        tuple((p.name, tuple(tidy(e) for e in f)) for p, f in zip(system.inputs, system.fields, strict=True)),
+        tuple((p.name, tuple(map(tidy, f))) for p, f in zip(system.inputs, system.fields, strict=True)),
         tuple(Domain(tidy(d.expression), d.text) for d in system.domain),
     )  # fmt: skip
 
@@ -187,7 +187,7 @@ def data(sheet: Sheet) -> dict[str, Any]:
             rate_port(Port(e.left, sheet.state[0].role, "")).name if e.rate else e.left: shown(e.right)
             for e in sheet.equations
         },
-        "fields": {name: [shown(e) for e in field] for name, field in sheet.fields},
+        "fields": {name: list(map(shown, field)) for name, field in sheet.fields},
         "domain": [
             {"condition": f"{shown(d.expression)} = 0", "meaning": plain(d.text)} for d in sheet.domain
         ],

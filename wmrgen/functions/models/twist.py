@@ -83,10 +83,11 @@ def twist_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sy
 
 def _named_twist(inputs: Sequence[Port], columns: Sequence[Column], names: Locals) -> Column:
     """Return the twist of P, robot frame: inputs themselves, or intermediate results for dependent components."""
-    sums = (
-        add(*(times(column[i], signal(u.name)) for column, u in zip(columns, inputs, strict=True)))
-        for i in range(3)
-    )
+
+    def component(i: int) -> Expr:
+        return add(*(times(column[i], signal(u.name)) for column, u in zip(columns, inputs, strict=True)))
+
+    sums = map(component, range(3))
     return triple(
         names.define(f"body_{name}", e) if e.args else e for name, e in zip(TWIST_NAMES, sums, strict=True)
     )
@@ -185,7 +186,7 @@ def _free_components(
 ) -> tuple[tuple[Port, ...], tuple[Column, ...]]:
     """Return the components of the twist that are inputs, and the twist that each of them causes."""
     wheels = [w for w in robot.wheels if w.kind.fixed_axle]
-    units = [tuple(sympy.Integer(int(i == k)) for i in range(3)) for k in range(3)]
+    units = [[sympy.Integer(int(i == k)) for i in range(3)] for k in range(3)]
     if not wheels:
         return TWIST, tuple((x, y, turn) for x, y, turn in units)
     if not parallel([w.zero_heading for w in wheels]):

@@ -181,7 +181,10 @@ class Slopes:
         def by(p: Poly, k: int) -> Poly:
             return derivative(p, lambda g: self.of_generator(g)[k])
 
-        return tuple(tuple(by(p, k) for k in range(len(self.states))) for p in f)
+        def gradient(p: Poly) -> Field:
+            return tuple(by(p, k) for k in range(len(self.states)))
+
+        return tuple(map(gradient, f))
 
     def products(self, f: Field) -> int:
         """Return how many products of terms the Jacobian takes."""

@@ -52,8 +52,8 @@ class Phase(NamedTuple):
 
 def segment(values: Values, place: str) -> Segment:
     """Return a segment from its named values: one of the three kinds, and dt. Raise UsageError for other values."""
-    names = [n for n in values if n != "dt"]
-    kinds = [k for k, own in KINDS.items() if names and all(n in own for n in names)]
+    names = {n for n in values if n != "dt"}
+    kinds = [k for k, own in KINDS.items() if names and names.issubset(own)]
     if len(kinds) != 1:
         ways = "; ".join(" ".join(own) for own in KINDS.values())
         raise UsageError(f"{place}: give dt and values of one kind: {ways}")

@@ -77,7 +77,10 @@ def relations(robot: Robot, mobility: Mobility, view: View = working_view) -> li
         columns = IDENTITY
     if not driven or not columns:
         return []
-    rims = [tuple(dot(driving_row(w, view(w)), column) for column in columns) for w in driven]
+    rims = []  # for each driven wheel, its rim speed along each column
+    for w in driven:
+        row = driving_row(w, view(w))
+        rims.append(tuple(dot(row, column) for column in columns))
     numbers, angles = np.zeros((len(driven), 3)), generic(robot)
     numbers[:, : len(columns)] = [[nominal_at(p, robot, angles) for p in row] for row in rims]
     numbers = unit_rows(numbers)

@@ -180,7 +180,10 @@ def steered_turns(
     result: dict[int, Turn] = {}
     for members in robot.together("steer", (w for w in robot.wheels if w.kind.steers)):
         lead = members[0]
-        seen = [tuple(speeds_at(w, row, (w.working.ch, w.working.sh)) for row in motion) for w in members]
+        seen = []  # for each wheel, velocity of its pivot along and across its zero heading, with two derivatives
+        for w in members:
+            zero_heading = w.working.ch, w.working.sh
+            seen.append(tuple(speeds_at(w, row, zero_heading) for row in motion))
         pairs = [_jets(velocities, w.steer_sign) for w, velocities in zip(members, seen, strict=True)]
         alike = all(
             v == seen[0] and w.steer_sign == lead.steer_sign for w, v in zip(members, seen, strict=True)
@@ -191,7 +194,8 @@ def steered_turns(
         limits = robot.limit(lead, "steer")
         if limits is not None:
             turn = _zero_at_limits(names, lead, commands[f"{lead.name}.steer"], limits, turn)
-        result |= {w.index: Turn(*(times(w.steer_sign, rate) for rate in turn)) for w in members}
+        for w in members:
+            result[w.index] = Turn(*(times(w.steer_sign, rate) for rate in turn))
     return result
 
 

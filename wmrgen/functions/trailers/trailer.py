@@ -181,11 +181,12 @@ def towing_system(motion: Motion, mobility: Mobility) -> System:
     """Return the posture model of a motion with the headings of the trailers."""
     trailers = motion.robot.trailers
     axle = fixed_axle(motion.robot, mobility, motion.frame.view)
-    convoys = [
-        towed_axles(motion, axle or THROUGH_P, [expression(p) for p in twist], None)
-        for twist in motion.twists
-    ]
     posture = system_of("trailer", motion)
+    convoys, fields = [], []
+    for field, twist in zip(posture.fields, motion.twists, strict=True):
+        convoy = towed_axles(motion, axle or THROUGH_P, [expression(p) for p in twist], None)
+        convoys.append(convoy)
+        fields.append((*field, *(a.turn for a in convoy)))
     state = (*posture.state, *state_ports(trailers))
 
     def code() -> Formula:
@@ -198,9 +199,7 @@ def towing_system(motion: Motion, mobility: Mobility) -> System:
     return posture._replace(
         text=f"body and {len(trailers)} trailer{'' if len(trailers) == 1 else 's'}: {motion.text}",
         state=state,
-        fields=tuple(
-            (*field, *(a.turn for a in chain)) for field, chain in zip(posture.fields, convoys, strict=True)
-        ),
+        fields=tuple(fields),
         domain=(*posture.domain, *_jackknives(motion, axle is not None, convoys)),
         code=code,
     )

@@ -80,7 +80,7 @@ class Poly:
     def key(self) -> str:
         """A canonical text: equal polynomials have equal keys."""
         if self._key is None:
-            parts = sorted(("*".join(f"{g.key}^{e}" for g, e in m), c.key) for m, c in self.terms.items())
+            parts = sorted((_monomial_key(m), c.key) for m, c in self.terms.items())
             self._key = "+".join(f"{c}*{m}" for m, c in parts)
         return self._key
 
@@ -213,6 +213,11 @@ class Poly:
         return f"Poly({self.key})"
 
 
+def _monomial_key(monomial: Monomial) -> str:
+    """Return a canonical text: equal monomials have equal keys."""
+    return "*".join(f"{g.key}^{e}" for g, e in monomial)
+
+
 def _add_to(terms: dict[Monomial, Exact], others: Iterable[tuple[Monomial, Exact]]) -> None:
     for m, c in others:
         old = terms.get(m)
@@ -262,6 +267,11 @@ def each(row: Sequence[Poly], function: Callable[[Poly], Poly]) -> Row:
     return triple(map(function, row))
 
 
+def sum_of_rows(rows: Sequence[Sequence[Poly]]) -> Row:
+    """Return the sum of rows of three entries, entry by entry."""
+    return (Poly.sum(r[0] for r in rows), Poly.sum(r[1] for r in rows), Poly.sum(r[2] for r in rows))
+
+
 def cross(a: Row, b: Row) -> Row:
     """Return a x b, the null vector of two independent rows."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
@@ -270,7 +280,10 @@ def cross(a: Row, b: Row) -> Row:
 def common_powers(polys: Iterable[Poly]) -> dict[Gen, int]:
     """Return the largest monomial that divides all terms: for each generator its least power, which may be negative."""
     monomials = [dict(m) for p in polys for m in p.terms]
-    return {g: min(m.get(g, 0) for m in monomials) for g in {g for m in monomials for g in m}}
+    powers = {}
+    for g in {g for m in monomials for g in m}:
+        powers[g] = min(m.get(g, 0) for m in monomials)
+    return powers
 
 
 def has_angles(row: Iterable[Poly]) -> bool:

@@ -27,12 +27,16 @@ def _whole_divisor(g: Gen) -> Poly | None:
     """Return 1 / (a + b/3) as 3 / (3 a + b), and 1 / (1 + 2 a), where 1 is a length, as 0.5 / (a + 0.5)."""
     if g.kind != "inv":
         return None
-    lengths = {m: sum(e for h, e in m if h.kind == "param") for m in g.args[0].terms}
+    lengths = {m: _degree_in_parameters(m) for m in g.args[0].terms}
     most = max(lengths.values())
     size = _content(g.args[0])
     if min(lengths.values()) < most:
         size = min((c for m, c in g.args[0].terms.items() if lengths[m] == most), key=abs)
     return g.args[0].scale(size.inverse()).inverse().scale(size.inverse())
+
+
+def _degree_in_parameters(monomial: Monomial) -> int:
+    return sum(e for h, e in monomial if h.kind == "param")
 
 
 def _content(p: Poly) -> Exact:

@@ -74,7 +74,9 @@ def refuse_ambiguous(spec: RobotSpec, robot: Robot) -> None:
     ``spec`` gives the places for messages; ``robot`` is the layout with couplings applied.
     """
     collector = ErrorCollector()
-    written = {w.name: {e.joint: e for e in (*spec.encoders, *w.encoders)} for w in spec.wheels}
+    written: dict[str, dict[str, EncoderSpec]] = {}  # by wheel, then by joint
+    for wheel in spec.wheels:
+        written[wheel.name] = {e.joint: e for e in (*spec.encoders, *wheel.encoders)}
     for w in robot.wheels:
         encoder = robot.encoder_of(w, "steer")
         if encoder is None or encoder.reading.offset is None:

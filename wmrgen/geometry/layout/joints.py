@@ -202,9 +202,12 @@ def turn_ratios(spec: RobotSpec, joint: str, leaders: Sequence[int], scope: Scop
     names = [w.name for w in spec.wheels]
     turns = dict.fromkeys(leaders, ONE)
     rest = [c for c in spec.couplings if c.joint == joint]
+
+    def has_known_wheel(coupling: Coupling) -> bool:
+        return any(names.index(n) in turns for n in coupling.wheels)
+
     while rest:
-        known = [c for c in rest if any(names.index(n) in turns for n in c.wheels)]
-        coupling = known[0]
+        coupling = next(c for c in rest if has_known_wheel(c))
         rest.remove(coupling)
         ratios = [_ratio(q, scope) for q in coupling.ratios] or [ONE] * len(coupling.wheels)
         if joint == "steer" and coupling.ratios:

@@ -227,8 +227,9 @@ def _joining(
     own = max(abs(values[i] - values[j]) * scale for i, j in combinations(together, 2))
     for distance in sorted(d for d in distances if d >= own):
         groups = _grouped(wheels, values, rounded_up(distance) / scale)
-        if any(together <= {w.index for w in group} for group in groups):
-            return distance
+        for group in groups:
+            if together <= {w.index for w in group}:
+                return distance
     return 0.0
 
 

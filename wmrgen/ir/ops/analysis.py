@@ -103,19 +103,61 @@ class Walk(Protocol):
     @property
     def lengths(self) -> Collection[int]: ...  # the nodes that divide by the length of a vector
 
-    def alarm(self, i: int, what: str, where: Any) -> None: ...
+    def alarm(self, i: int, what: str, where: Any) -> None:
+        """Record an operation that was not shown to be defined.
+
+        Args:
+            i: the node.
+            what: what may happen.
+            where: by box, whether it may happen there.
+        """
+
     def rounded(self, value: Interval, i: int) -> Noise: ...
     def library_noise(self, op: Any, value: Interval) -> Noise: ...
     def errors(self, roots: Sequence[int]) -> Any: ...
     def constant(self, value: Exact) -> tuple[float, float, float, bool]: ...
     def decision_error(self, k: int) -> Array: ...
-    def range_of_sum(self, a: int, b: int, sign: int, value: Interval) -> Interval: ...
+    def range_of_sum(self, a: int, b: int, sign: int, value: Interval) -> Interval:
+        """Return the range of a sum or difference, which is smaller if terms cancel or share an angle.
+
+        Args:
+            a: the first node.
+            b: the second node.
+            sign: 1 for a + b, -1 for a - b.
+            value: the sum or difference of the ranges.
+
+        Returns:
+            The range, by box.
+        """
+
     def effective_range(self, k: int) -> Interval: ...
-    def branch(self, small: int, large: int, value: int) -> tuple[Array, Array, Array]: ...
+    def branch(self, small: int, large: int, value: int) -> tuple[Array, Array, Array]:
+        """Bound a value in the branch that is taken because small < large.
+
+        Args:
+            small: the node on the left of the comparison.
+            large: the node on the right.
+            value: the node that is chosen.
+
+        Returns:
+            Lower end, upper end and a lower bound of the absolute value, by box.
+        """
+
     def note_near_zero(self, i: int, divisor: int) -> None: ...
     def length_may_vanish(self, i: int, divisor: int) -> bool: ...
     def direction_slope(self, i: int) -> Array: ...
-    def quotient_by_length(self, i: int, a: int, b: int) -> Value: ...
+    def quotient_by_length(self, i: int, a: int, b: int) -> Value:
+        """Bound a quotient n / d by the length h of a vector.
+
+        Args:
+            i: the node of the quotient.
+            a: the node n.
+            b: the node d, which is at least h.
+
+        Returns:
+            The lemma of the quotient.
+        """
+
     def root_of_squares(self, i: int, a: int) -> Value | None: ...
 
 

@@ -16,6 +16,7 @@ TURN = 2734261102  # 2**34 / (2 pi): units of phase per radian, times 4
 SINE = (3373259347, 1387195753, 171129709, 10033533, 323885)
 # atan(u) = u (c1 - c3 s + ...), in units of 2**-32
 ATAN = (4294967255, 1431649546, 858789081, 610957725, 460575697, 329656701, 191693515, 73899308, 13397159)
+# Phases: the mask of a 32-bit word, half a turn, and a quarter of a turn.
 _ALL, _TOP, _QUARTER = 2**32 - 1, 2**31, 2**30
 # Biased exponents of float32 (127 for numbers from 1 to 2). Below the first three, sin x and atan x round to x, and
 # cos x to 1. Exponents above LARGE (angles from 2**15 rad) are taken as LARGE. NAN is that of infinities and NaN.

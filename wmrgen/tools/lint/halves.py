@@ -74,7 +74,10 @@ def _skids(subject: Subject) -> Iterator[Finding]:
     told = subject.spec.effective_track
     ahead = subject.robot.wheels[0].zero_heading.conjugate()
     sides = [(ahead * w.pivot).imag for w in subject.robot.wheels if w.kind.directed]
-    if told and (size := subject.value(told)) < _LEAST * (track := max(sides) - min(sides)):
+    if not told:
+        return
+    size, track = subject.value(told), max(sides) - min(sides)
+    if size < _LEAST * track:
         what = (
             f"effective_track = {told.text} is {size:.4g} m, less than the track of the wheels, {track:.4g} m"
         )

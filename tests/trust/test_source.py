@@ -159,7 +159,7 @@ def _writes_or_prints(module: str) -> Iterator[str]:
 
 # What is filled while something is worked out; every other record is a value.
 FILLED = {
-    "ir/bounds/assumptions:Domain", "ir/bounds/lengths:Length", "ir/linear_forms:_Plan",
+    "ir/bounds/assumptions:Domain", "ir/bounds/patterns:Length", "ir/linear_forms:_Plan",
     "ir/linear_program:Graph", "report/figures/paper:Paper", "robotfile/typesetting:_Line",
 }  # fmt: skip
 

@@ -118,7 +118,7 @@ class Reason(StrEnum):
     LIMIT_TOO_NARROW = "limit too narrow"  # a limit leaves no room
     STEERING_STOPS = "steering stops"  # a wheel cannot reach an angle between its stops
     SHARED_MOTOR = "shared motor"  # wheels on one motor would need motors of their own
-    CASTOR = "castor"  # a castor swings by itself
+    CASTOR = "swinging castor"  # a castor swings by itself
     BESIDE_STEERING_AXIS = "beside the steering axis"  # a wheel rolls while it is steered
     NOT_STEERED = "not steered"
     NOT_DRIVEN = "not driven"

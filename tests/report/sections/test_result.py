@@ -184,7 +184,7 @@ wheels:
   - {name: fl, type: steered, x: 1.1, y: 0.4, heading: 0, r: 0.15, actuated: [steer]}
   - {name: fr, type: steered, x: 1.1, y: -0.4, heading: 0, r: 0.15, actuated: [steer]}
 """
-ALONE, BENT = "closed.steered", "closed.steered_without_couplings"
+ALONE, BENT = "closed.steered_wheels", "closed.steered_wheels_without_couplings"
 
 
 @pytest.mark.parametrize(

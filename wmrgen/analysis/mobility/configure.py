@@ -237,7 +237,7 @@ def _exact_rank(robot: Robot, numbers: list[ExactRow]) -> int:
     best = 0
     for weights in _WEIGHTS:
         twist = [ZERO, ZERO, ZERO]
-        for weight, vector in zip(weights, basis, strict=False):  # the basis may be smaller
+        for weight, vector in zip(weights[: len(basis)], basis, strict=True):
             twist = [t + v * weight for t, v in zip(twist, vector, strict=True)]
         rows: list[ExactRow] = list(numbers)
         for w in robot.wheels:

@@ -576,7 +576,7 @@ def _words_on_pivots(wheels: list[Wheel], turned: bool, offset: bool, tied: bool
     zero = ". h is its heading at ψ = 0" if turned else ""
     instead = ". Section 6 says how couplings change this" if tied else ""
     velocity = "the velocity (v<sub>Ax</sub>, v<sub>Ay</sub>) of its pivot A"
-    key = f"closed.{'castors' if castors else 'steered'}{'_without_couplings' if tied else ''}"
+    key = f"closed.{'castors' if castors else 'steered_wheels'}{'_without_couplings' if tied else ''}"
     if castors:
         return keyed(
             key, f"{who} gets both rates{', ' + alone if tied else ' '}from {velocity}{zero}{instead}:"

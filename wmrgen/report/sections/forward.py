@@ -172,12 +172,9 @@ def _sources(measured: Measurements) -> list[str]:
             "a velocity at the mean distance of the sensed wheels from their centre: its weight is "
             f"{float(measured.gyro.weight):.4g} m²."
         )
-    weight = (
-        "The weight of a row is that of its wheel." if measured.weighted else "All rows have equal weight."
-    )
+    weight = "with the weight of its wheel" if measured.weighted else "with equal weight"
     return [
-        "Each row of section 2 whose joint rates are all sensed is a measurement of ξ, in m/s. "
-        f"{weight} {' '.join(sources)}",
+        f"Each row of section 2 whose joint rates are all sensed measures ξ, in m/s, {weight}. {' '.join(sources)}",
         *([_WEIGHTS] if measured.weighted else []),
     ]
 
@@ -430,8 +427,7 @@ def solution_by_rank(rank: int, may_be_singular: bool) -> list[str]:
             inverted,
             keyed(
                 "forward.always_regular",
-                "The rows without steering angles already have rank 3. Hence H always has the full column rank 3 that "
-                "this needs (Tzafestas (2.8a)), and det(HᵀH) cannot vanish.",
+                "Its rows without steering angles have rank 3 (Tzafestas (2.8a)), so det(HᵀH) cannot vanish.",
             ),
         ]
     return [
@@ -475,7 +471,7 @@ def closed_forward(d: Derivation) -> list[str]:
         keyed(
             "forward.if_consistent",
             "The twist that fits all measurements best is ξ = (HᵀH)⁻¹ Hᵀz, with H and z of section 7. If the "
-            "measurements agree with each other (`slip` is 0), this is",
+            "measurements agree (`slip` is 0), this is",
         ),
         *three,
         *weights,

@@ -158,8 +158,8 @@ def _narrow(ranges: str, shift: str) -> list[str]:
     return [
         f"Steering is limited to less than a quarter turn: {ranges}. At most one of the two headings that roll is "
         "within the limits, and the wheel takes the angle at which it slides least. The limits are m ± ρ. At the "
-        "middle m, the velocity (v<sub>Ax</sub>, v<sub>Ay</sub>) of the pivot A has a component p along the wheel and "
-        "q across it. h is the heading of the wheel at ψ = 0. If p = q = 0, the wheel keeps its present angle:",
+        "middle m, the velocity (v<sub>Ax</sub>, v<sub>Ay</sub>) of the pivot A is p along the wheel and q across it. "
+        "h is the heading at ψ = 0. If p = q = 0, the wheel keeps its angle:",
         *aligned([
             r"p &= v_{Ax}\cos(h+m) + v_{Ay}\sin(h+m), & q &= v_{Ay}\cos(h+m) - v_{Ax}\sin(h+m)",
             r"t &= \min\left(\max\left(\frac{q}{p}, -\tan\rho\right), \tan\rho\right), & "

@@ -102,8 +102,8 @@ def _remark(m: Mobility) -> list[str]:
             "δ<sub>m</sub> + δ<sub>s</sub>."
         ]
     return [
-        "The book writes rank C<sub>1s</sub> in (3.41). Wheels whose axles always meet in one point must not be "
-        "counted twice. Therefore the rank that steering adds to C<sub>1f</sub> is used here."
+        "The book writes rank C<sub>1s</sub> in (3.41). The rank that steering adds to C<sub>1f</sub> does not count "
+        "wheels twice whose axles always meet in one point."
     ]
 
 
@@ -152,9 +152,8 @@ def _verdicts(d: Derivation) -> list[str]:
         f"{said} (DDOF = {m.ddof}), and poses of dimension {m.dof} can be reached "
         f"(DOF = {m.dof}). Holonomic means DDOF = DOF, omnidirectional means DDOF = 3: the robot is {_called(m)}. "
         f"{keyed('growth.vector', 'The growth vector is')} ({', '.join(map(str, vector))}){where}. "
-        "It counts the dimensions that the inputs span, "
-        f"then adds their Lie brackets, one order at a time{counted}. Its length is the degree of nonholonomy, "
-        f"{len(vector)}."
+        f"It counts the dimensions that the inputs and their Lie brackets span, order by order{counted}. "
+        f"The degree of nonholonomy is its length, {len(vector)}."
     ]
 
 
@@ -325,8 +324,8 @@ def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
         )
     return [
         f"The heading of a steered wheel ({some(wheels)}) is undefined if its pivot (x, y) stands still, "
-        f"v<sub>x</sub> − y ω = 0 and v<sub>y</sub> + x ω = 0: {when}.{shared} Near such twists, a small change "
-        "of the twist needs a large change of the angle (section 6)."
+        f"v<sub>x</sub> − y ω = 0 and v<sub>y</sub> + x ω = 0: {when}.{shared} Near such twists, small changes "
+        "of the twist need large changes of the angle."
     ]
 
 

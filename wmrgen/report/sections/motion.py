@@ -47,8 +47,8 @@ def motion(d: Derivation) -> list[str]:
     """Return section 8."""
     return [
         "## 8 Odometry and the posture model",
-        "A constant twist moves P along an arc (`odometry`). The chord of the arc has the direction in which P moves "
-        "half-way, and it is shorter than the arc by the factor sinc σ. Near σ = 0 the code evaluates this factor by a "
+        "A constant twist moves P along an arc (`odometry`). Its chord has the direction in which P moves half-way, "
+        "and is shorter than the arc by the factor sinc σ. Near σ = 0 the code uses a "
         "series ([numerics.md](numerics.md)). The exact pose after Δt is, with θ' wrapped to one turn,",
         *aligned([
             r"x' &= x + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\cos(\theta+\sigma) - v_y\sin(\theta+\sigma)\right)",

@@ -200,8 +200,8 @@ def turning_circle(robot: Robot) -> list[str]:
     return [
         keyed(
             "car.ackermann",
-            f"{words} The axles of both steered wheels pass through the centre of this circle (Ackermann). ψ is the "
-            f"angle of a virtual wheel midway between them.{behind}",
+            f"{words} The axles of both steered wheels pass through its centre (Ackermann). ψ is the "
+            f"angle of a virtual wheel midway.{behind}",
         ),
         *aligned([rf"\tan\psi {radius}", rf"\cot{psi_r} - \cot{psi_l} &= {ratio}"]),
     ]

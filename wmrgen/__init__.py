@@ -49,20 +49,20 @@ def load(source: str | PathLike[str] | Mapping[str, object]) -> Robot:
     from wmrgen.robotfile.load import read_mapping, read_robot, read_text
 
     if isinstance(source, Mapping):
-        return _laid_out(partial(read_mapping, source))[1]
+        return _spec_and_robot(partial(read_mapping, source))[1]
     if isinstance(source, str) and "\n" in source:
-        return _laid_out(partial(read_text, source, "robot.yaml"))[1]
-    return _laid_out(partial(read_robot, os.fspath(source)))[1]
+        return _spec_and_robot(partial(read_text, source, "robot.yaml"))[1]
+    return _spec_and_robot(partial(read_robot, os.fspath(source)))[1]
 
 
 def read(path: str | PathLike[str]) -> tuple[RobotSpec, Robot]:
     """Return the content of a robot file, each value with its place, and the robot. RobotFileError as for `load`."""
     from wmrgen.robotfile.load import read_robot
 
-    return _laid_out(partial(read_robot, os.fspath(path)))
+    return _spec_and_robot(partial(read_robot, os.fspath(path)))
 
 
-def _laid_out(spec_of: Callable[[ErrorCollector], RobotSpec]) -> tuple[RobotSpec, Robot]:
+def _spec_and_robot(spec_of: Callable[[ErrorCollector], RobotSpec]) -> tuple[RobotSpec, Robot]:
     """Return the content of a robot file and the robot; the errors of both are raised as one."""
     from wmrgen.errors import ErrorCollector
 

@@ -28,7 +28,7 @@ OPEN = {
     "report/pages/formats.py": "a template",
     "functions/registry.py": "sources of wmrgen, whose digest is recorded",
     "codegen/compiler.py": "a PDF that a browser has printed",
-    "derivation/freshness.py": "robot files and sources of wmrgen, for their digests",
+    "derivation/freshness.py": "sources of wmrgen, for their digests",
     "derivation/manifest.py": "manifests, and generated files for their digests",
     "cli/console.py": "standard streams",
     "cli/generate.py": "generated models and a generated PDF",

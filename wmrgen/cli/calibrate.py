@@ -241,9 +241,8 @@ def _show(robot: str, result: Calibration, remarks: _Remarks) -> None:
 class _Plan:
     """Drives that determine the parameters."""
 
-    courses: (
-        Sequence[Course] | None
-    )  # after which every parameter has the precision; None if no drives reach it
+    # After which every parameter has the precision; None if no drives reach it.
+    courses: Sequence[Course] | None
     never: Sequence[Sequence[str]]  # groups of parameters that no drive can determine separately
     precision: float  # standard deviation relative to the nominal value
 

@@ -63,8 +63,8 @@ GROUPS: dict[str, tuple[Verb, ...]] = {
 }  # fmt: skip
 VERBS = {verb.name: verb for verbs in GROUPS.values() for verb in verbs}
 
-# zsh loads the file that --install-completion writes when Tab is first pressed, and calls it. Typer's file only defines
-# the function that completes, so that the first Tab completes nothing: this calls the function.
+# zsh loads and runs the file that --install-completion writes when Tab is first pressed. Typer's file only defines the
+# completion function, so the first Tab has no effect. These lines call the function.
 _completion_scripts["zsh"] += """
 if [ "$funcstack[1]" = "_%(prog_name)s" ]; then
   %(complete_func)s "$@"

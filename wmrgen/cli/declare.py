@@ -40,9 +40,8 @@ def verb(name: str) -> Callable[[Work], Work]:
 
 # ---- kinds of arguments and options
 
-Completion = Callable[
-    [str], Sequence[str]
-]  # the beginning of a word -> the words that the shell offers for it
+# The beginning of a word -> the words that the shell offers for it.
+Completion = Callable[[str], Sequence[str]]
 
 
 def argument(metavar: str, text: str | None = None, completion: Completion | None = None) -> Any:
@@ -71,7 +70,7 @@ def option(
 
     Args:
         text: the help.
-        metavar: what stands for the value in the help; None for the name of its type.
+        metavar: the placeholder of the value in the help; None for the name of its type.
         completion: the words that the shell offers for the value.
         name: the option, such as ``--from``; None for the name of the parameter.
 

@@ -39,5 +39,5 @@ def fmt(
     else:
         for path in changed:
             console.result(f"{path}: {'would change' if only_check else 'changed'}")
-        console.result(f"{len(after) - len(changed)} of {len(after)} laid out already")
+        console.result(f"{len(after) - len(changed)} of {len(after)} formatted already")
     return StaleError.exit_code if only_check and changed else 0

@@ -171,9 +171,9 @@ def derive(
         return 0
     for task in tasks:
         if task.fresh:
-            _tell_fresh(*task.fresh, out)
+            _print_fresh(*task.fresh, out)
         else:
-            _tell_derived(made[task.path], written[task.path], out)
+            _print_derived(made[task.path], written[task.path], out)
     for task in tasks:
         name = task.fresh[0] if task.fresh else made[task.path].name
         for kind in dict.fromkeys(request.packages):
@@ -369,16 +369,16 @@ def _print_models(tasks: Sequence[Task], made: Mapping[Path, Derived], out: Path
     console.result(models[0] if len(models) == 1 else '{"robots": [\n' + ",\n".join(models) + "\n]}")
 
 
-def _tell_fresh(name: str, manifest: Manifest, out: Path) -> None:
+def _print_fresh(name: str, manifest: Manifest, out: Path) -> None:
     """Print what a robot is, and that nothing was written."""
-    _tell_type(json.loads((out / name / _MODEL).read_bytes()))
+    _print_type(json.loads((out / name / _MODEL).read_bytes()))
     files = [*manifest.files, MANIFEST]
     console.result(f"  {(out / name).as_posix()}/ (all up to date): {_listed(files)}")
 
 
-def _tell_derived(made: Derived, written: Written, out: Path) -> None:
+def _print_derived(made: Derived, written: Written, out: Path) -> None:
     """Print what a robot is, and what was written."""
-    _tell_type(json.loads(made.files[_MODEL]))
+    _print_type(json.loads(made.files[_MODEL]))
     if made.reason:
         console.result(f"  {made.reason}")
     for line in made.sketch:
@@ -394,7 +394,7 @@ def _tell_derived(made: Derived, written: Written, out: Path) -> None:
         console.note(f"{made.name}: removed {file}, which is no longer produced")
 
 
-def _tell_type(model: Mapping[str, Any]) -> None:
+def _print_type(model: Mapping[str, Any]) -> None:
     """Print the degrees of a robot from its model.json."""
     kind = model["robot_type"]
     title = f"type ({kind[0]}, {kind[1]})" if kind else "degenerate"
@@ -474,7 +474,7 @@ def check(
         stale += [*differing_gallery(out, comparable), *_strangers(out, names, comparable)]
     for failure in errors:
         console.failure(str(failure))
-    _tell_stale(stale, errors, len(paths), out, as_json)
+    _print_stale(stale, errors, len(paths), out, as_json)
     if comparable and not stale and not errors and stale_paths and not as_json:
         count = f"{len(stale_paths)} of {len(paths)}" if len(paths) > 1 else "the"
         console.note(
@@ -484,7 +484,7 @@ def check(
     return errors[0].exit_code if errors else (StaleError.exit_code if stale else 0)
 
 
-def _tell_stale(
+def _print_stale(
     stale: Sequence[Difference], errors: Sequence[WmrgenError], robots: int, out: Path, as_json: bool
 ) -> None:
     files = [(difference.path.as_posix(), _WHY[difference.why]) for difference in stale]

@@ -109,7 +109,7 @@ def _growth(derivation: Derivation, form: str | None, shown: Shown) -> dict[str,
         others = [{"condition": f"{shown(s.condition)} = 0", "growth_vector": list(s.vector)} for s in sets]
     return {
         "growth_vector": list(found.vector),
-        "brackets": found.told(everywhere=sets == ()),
+        "brackets": found.describe(everywhere=sets == ()),
         "fields": {bracket.name: list(bracket.written(shown)) for bracket in found.brackets},
         "exceptional": others,
         "state": list(found.state),

@@ -14,9 +14,7 @@ from wmrgen.derivation.manifest import sha256, unlisted
 from wmrgen.errors import EnvironmentFailure
 
 FOLDER, ERRATA = "textbook", "errata.md"  # in the output directory
-_SOURCE = (
-    Path(__file__).resolve().parents[2] / "textbook"
-)  # the modules of the library, beside those of wmrgen
+_SOURCE = Path(__file__).resolve().parents[2] / "textbook"  # the modules of the library
 
 
 class Library(Protocol):

@@ -342,9 +342,8 @@ def step(model: OfVectors, odometry: Function, kind: str, dt: Any = None) -> OfV
         raise UsageError(
             f"dt is {dt}: a step takes time. Write dt in seconds, such as 0.05, or omit it: dt is then an input."
         )
-    symbol: Any = (
-        ca.MX.sym if kind == "collocation" else ca.SX.sym
-    )  # a function that solves equations has no SX form
+    # A function that solves equations has no SX form.
+    symbol: Any = ca.MX.sym if kind == "collocation" else ca.SX.sym
     x, u, p = vectors = [symbol(name, model.size1_in(i)) for i, name in enumerate("xup")]
     time = symbol("dt") if free else float(dt)
     if kind == "exact":

@@ -27,9 +27,8 @@ class Style(NamedTuple):
     """How a language writes literals, names, and operations without an infix operator."""
 
     literal: Callable[[Exact], str]  # prints a constant; a negative one in parentheses
-    form: Callable[
-        [Op], str
-    ]  # format of an operation, with its arguments by position; a `Conditional` gets a statement
+    # Format of an operation, with its arguments by position; a `Conditional` gets a statement.
+    form: Callable[[Op], str]
     declare: str  # format of a statement: {0} name, {1} value, {2} type
     temporary: str  # format of the name of an unnamed value
     grouped: bool = False  # whether parentheses show which operator binds tighter (MISRA C:2012 rule 12.1)

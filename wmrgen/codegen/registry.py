@@ -19,9 +19,8 @@ if TYPE_CHECKING:
 
 CasadiFunction: TypeAlias = Any  # casadi.Function; casadi ships no types
 CasadiSymbol: TypeAlias = Any  # casadi.SX or casadi.MX
-Request = tuple[
-    str, Mapping[str, float]
-]  # a function, and its inputs by contract name; tunables may be left out
+# A function, and its inputs by contract name; tunables may be left out.
+Request = tuple[str, Mapping[str, float]]
 
 
 class Place(NamedTuple):
@@ -61,9 +60,8 @@ class Facts:
         tuple[str, float, str], ...
     ] = ()  # numbers of the robot file: name (left.radius), value, text
     site: Site = NO_SITE  # what the robot file says about inputs
-    options: Mapping[str, str | bool] = field(
-        default_factory=dict
-    )  # options of the backend that the user chose
+    # Options of the backend that the user chose.
+    options: Mapping[str, str | bool] = field(default_factory=dict)
     places: tuple[Place, ...] = ()  # functions in the code of other backends, for the report
     vectors: tuple[
         VectorForm, ...

@@ -61,9 +61,8 @@ class Signature(NamedTuple):
 
     function: Function
     arguments: tuple[Argument, ...]
-    own_types: Mapping[
-        str, tuple[Port, ...]
-    ]  # kind -> members of the structs that are declared for this function
+    # Kind -> members of the structs that are declared for this function.
+    own_types: Mapping[str, tuple[Port, ...]]
 
 
 class _Place(NamedTuple):

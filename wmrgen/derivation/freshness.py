@@ -18,6 +18,7 @@ from pathlib import Path
 
 from wmrgen.derivation.manifest import Manifest, intact, sha256
 from wmrgen.derivation.version import __version__
+from wmrgen.robotfile.text import MAX_BYTES, read_at_most
 
 # Generated text, numbers or pages depend on these distributions.
 LIBRARIES = ("sympy", "mpmath", "casadi", "numpy", "jinja2", "pyyaml", "markdown-it-py")
@@ -32,7 +33,6 @@ REGISTRIES = (
 )
 REMARKS = "remarks"  # the entry of ``made_from`` that counts what `derive` had to say about a robot
 _PACKAGE = Path(__file__).resolve().parents[1]
-_LARGEST_ROBOT_FILE = 1 << 20  # bytes; the reader refuses files of a quarter of it
 _NAME = re.compile(rb"""^name:[ \t]*["']?([A-Za-z][A-Za-z0-9_]{0,30})["']?[ \t]*(?:#.*)?\r?$""", re.MULTILINE)
 
 
@@ -48,10 +48,10 @@ def can_compare() -> bool:
 def robot_bytes(path: Path) -> bytes | None:
     """Return the bytes of a robot file; None if it is missing, no regular file, or too large."""
     try:
-        readable = path.is_file() and path.stat().st_size <= _LARGEST_ROBOT_FILE
-        return path.read_bytes() if readable else None
-    except OSError:
+        content = read_at_most(path, MAX_BYTES + 1)
+    except (OSError, ValueError):
         return None
+    return content if len(content) <= MAX_BYTES else None
 
 
 def name_in(content: bytes) -> str | None:

@@ -27,9 +27,8 @@ class Manifest(NamedTuple):
 
     files: Mapping[str, str]  # name of each generated file -> its SHA-256
     made_with: Mapping[str, str]  # the options of `wmrgen derive`
-    made_from: Mapping[
-        str, str
-    ]  # robot file, wmrgen's own files and versions, see `freshness`; empty if not recorded
+    # Robot file, wmrgen's own files and versions, see `freshness`; empty if not recorded.
+    made_from: Mapping[str, str]
 
     def encoded(self) -> bytes:
         """Return the text of manifest.json. Its ``key`` is a hash of everything above it."""

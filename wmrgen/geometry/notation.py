@@ -23,9 +23,8 @@ _JOINTS = {
     "spin": r"\dot{\varphi}", "spin_rate": r"\ddot{\varphi}",
     "steer": r"\psi", "steer_rate": r"\dot{\psi}", "steer_acceleration": r"\ddot{\psi}",
 }  # fmt: skip
-Style = Literal[
-    "", "exact", "decimals", "fractions"
-]  # how the numbers of a sum are written; "": no preference
+# How the numbers of a sum are written; "": no preference.
+Style = Literal["", "exact", "decimals", "fractions"]
 _COMPONENT = re.compile(r"([a-z])([xyz])")  # vx
 _ROOTS = ("", r"\sqrt{2}", r"\sqrt{3}", r"\sqrt{6}")  # the basis of the number field, as in `Exact.num`
 _COVARIANCE = re.compile(r"(vx|vy|omega|x|y|theta)(vx|vy|omega|x|y|theta)")

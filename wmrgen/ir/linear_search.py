@@ -140,9 +140,8 @@ def _factored(graph: Graph, row: Row, product: Callable[[int, int], int]) -> Edg
     return graph.add(edges) if edges else None
 
 
-@lru_cache(
-    maxsize=1024
-)  # the same matrix occurs in several functions, and when sums are expanded differently
+# The same matrix occurs in several functions, and when sums are expanded differently.
+@lru_cache(maxsize=1024)
 def cheapest(matrix: Matrix, columns: int) -> tuple[Graph, Sequence[Coefficient]]:
     """Return the cheapest graph found of  y_i = sum_j matrix[i][j] t_j  of ``columns`` terms, and its coefficients."""
     magnitudes = Magnitudes()

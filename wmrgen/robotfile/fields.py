@@ -127,9 +127,8 @@ class Field:
     required: bool = False
     default: str = ""  # the value that is assumed if the key is absent, in words
     greek: str = ""  # the letter that may be written in place of the key
-    aliases: Mapping[str, str] = field(
-        default_factory=dict
-    )  # other words for the key, with a hint; "": "Did you mean"
+    # Other words for the key, with a hint; "": "Did you mean".
+    aliases: Mapping[str, str] = field(default_factory=dict)
     missing: Reason | None = None  # the error for an absent required key
     misfit: Reason | None = (
         None  # the error for a wheel whose type does not have the key; None if all types have it

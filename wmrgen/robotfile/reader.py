@@ -277,9 +277,8 @@ class _Problem(NamedTuple):
     text: str  # in PyYAML's words
     line: int
     column: int
-    start: (
-        tuple[int, int] | None
-    )  # line and column where the key, quote or bracket begins that the problem is about
+    # Line and column where the key, quote or bracket begins that the problem is about.
+    start: tuple[int, int] | None
     lines: tuple[str, ...]  # of the whole file
 
     @property

@@ -82,9 +82,8 @@ AVR_MACROS = Reserved(
     ),
 )
 PYTHON = Reserved(frozenset(map(str.lower, kwlist)), "Python keeps that word for itself.")
-RUST = reserved(
-    "crate self super", "Rust keeps that word for itself."
-)  # Rust code can use its other words as r#box
+# Rust code can use its other words as r#box.
+RUST = reserved("crate self super", "Rust keeps that word for itself.")
 JAVASCRIPT = reserved(
     "constructor hasownproperty isprototypeof propertyisenumerable tolocalestring tostring valueof",
     "Every object of JavaScript has a property of that name.",

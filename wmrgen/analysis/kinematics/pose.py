@@ -42,9 +42,8 @@ from wmrgen.geometry.symbolic import (
 
 # [rad] The largest h with h**8 / 9! <= 2**-53, rounded down so that a float represents it exactly.
 SWITCH = sympy.Rational(3, 64)
-WORST_ERROR = (
-    float(SWITCH) ** 8 / 362880
-)  # of sinc, relative: the first omitted term of the series, 9! = 362880
+# Of sinc, relative: the first omitted term of the series, 9! = 362880.
+WORST_ERROR = float(SWITCH) ** 8 / 362880
 # [s] shorter durations are replaced by this; [m] shorter chords are treated as 0.
 SHORTEST = sympy.Rational(1, 10**9)
 

@@ -135,9 +135,8 @@ def _literal(value: float, scalar: str) -> str:
 def _upwards(value: float, scalar: str) -> str:
     """Return ``value``, rounded up to at most two digits."""
     power = floor(log10(value)) - 1
-    digits = ceil(
-        value / 10.0**power * (1 - 1e-9)
-    )  # a value of two digits stays, whatever the division rounds
+    # A value of two digits stays, whatever the division rounds.
+    digits = ceil(value / 10.0**power * (1 - 1e-9))
     if digits % 10 == 0:
         digits, power = digits // 10, power + 1
     return f"{digits}e{power}" + ("f" if scalar == "float" else "")

@@ -44,9 +44,8 @@ class Package(NamedTuple):
     files: tuple[File, ...]  # that it adds to the C
     without: tuple[str, ...] = ()  # folders of C files that it must not contain
     backend: str = ""  # the backend that writes it, if it has no C
-    context: Callable[[Module, str], Mapping[str, object]] = (
-        lambda _, __: {}
-    )  # further variables of its templates
+    # Further variables of its templates.
+    context: Callable[[Module, str], Mapping[str, object]] = lambda _, __: {}
 
     @property
     def folder(self) -> str:

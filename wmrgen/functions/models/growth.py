@@ -61,9 +61,9 @@ class Growth(NamedTuple):
     @property
     def text(self) -> str:
         """Return the sentence on the growth vector for generic configurations."""
-        return self.told(everywhere=False)
+        return self.describe(everywhere=False)
 
-    def told(self, everywhere: bool) -> str:
+    def describe(self, everywhere: bool) -> str:
         """Return a sentence: the growth vector, where it is valid, and which bracket adds each dimension."""
         vector = ", ".join(map(str, self.vector))
         added = [b.name for b in self.brackets if b.order > 1]

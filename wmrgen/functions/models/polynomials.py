@@ -24,9 +24,8 @@ def without_lengths(p: Poly) -> Poly:
 def whole(polys: Sequence[Poly]) -> list[Poly]:
     """Return polynomials of one scale times the smallest number that removes all fractions, if it is small."""
     common = lcm(*(c.den for p in polys for c in p.terms.values()))
-    return [
-        p.scale(common) if common <= 100 else p for p in polys
-    ]  # a larger factor makes the numbers longer
+    # A larger factor makes the numbers longer.
+    return [p.scale(common) if common <= 100 else p for p in polys]
 
 
 def by_angle(poly: Poly, cosine: Gen, sine: Gen) -> Poly:

@@ -126,9 +126,8 @@ def _axle(robot: Robot, t: Train, claim: Flatness) -> Formula:
     omega = names.define("yaw_rate", times(cross, over, over))
     cosine = names.define("travel_cosine", times(dx, over))
     sine = names.define("travel_sine", times(dy, over))
-    c, s = rotated_back(
-        *axle.direction, cosine, sine
-    )  # cosine and sine of the robot's heading, from the heading of its axle
+    # Cosine and sine of the robot's heading, from the heading of its axle.
+    c, s = rotated_back(*axle.direction, cosine, sine)
     c, s = names.define("cos_theta", c), names.define("sin_theta", s)
     x, y = rotated(c, s, *axle.centre)
     twist = (*axle.velocity_of_p(v, omega), omega)

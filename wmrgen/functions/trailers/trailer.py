@@ -211,7 +211,7 @@ def _jackknives(motion: Motion, on_fixed_axle: bool, convoys: list[list[Towed]])
     for i, t in enumerate(motion.robot.trailers):
         if not in_view(t.hitch, motion.frame.symbolic) and (i or on_fixed_axle):
             condition: Expr = sympy.cos(hitch_angle(motion.robot, i))
-            why = "it is square to the vehicle ahead"
+            why = "it is perpendicular to the vehicle ahead"
         else:
             speeds = [
                 (chain[i].speed, u)

@@ -33,9 +33,8 @@ _TANGENTS |= {
     Fraction(3, 8): SQRT2 + 1,
 }  # q -> tan(q pi), where it is in the field
 _DIRECTIONS = {t * sign: q * sign for q, t in _TANGENTS.items() for sign in (1, -1)}
-_PI_SIZE = (
-    10**30
-)  # separates multiples of the 60-digit pi, whose denominators are larger, from ordinary numbers
+# Separates multiples of the 60-digit pi, whose denominators are larger, from ordinary numbers.
+_PI_SIZE = 10**30
 
 CosSin = tuple[Poly, Poly]
 

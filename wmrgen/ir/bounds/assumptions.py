@@ -161,9 +161,8 @@ class Domain:
 
     robot: Robot
     declared: dict[str, Range]  # limits of the robot file, by input name
-    commanded: dict[str, Range] = field(
-        default_factory=dict
-    )  # ranges of the results of `inverse`, by output name
+    # Ranges of the results of `inverse`, by output name.
+    commanded: dict[str, Range] = field(default_factory=dict)
 
     def missing(self) -> tuple[str, ...]:
         """Return the names of missing limits without which nothing can be proved."""

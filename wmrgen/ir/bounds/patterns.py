@@ -17,9 +17,8 @@ from wmrgen.geometry.exact.number import ONE, Exact
 from wmrgen.ir.nodes import Function, Node, Op, uses_of
 
 Parts = tuple[tuple[float, int], ...]  # (f, x): the components f * (node x) of a vector
-Share = tuple[
-    float, float
-]  # (s, a): the absolute value of a node is at most s h + a, h the length of a vector
+# (s, a): the absolute value of a node is at most s h + a, h the length of a vector.
+Share = tuple[float, float]
 
 # Errors are claimed where the vector is this many times longer than its own error [1]. Its length then changes by at
 # most 1/64 while rounding errors grow from zero to their full size.
@@ -145,9 +144,8 @@ class Length:
 
     parts: Parts  # the components of the vector
     error: float = SHORT  # how far h may be off; the walk sets it when it reaches the division
-    shares: dict[int, Share | None] = field(
-        default_factory=dict
-    )  # by node; filled by the walk as it is needed
+    # By node; filled by the walk as it is needed.
+    shares: dict[int, Share | None] = field(default_factory=dict)
     facts: list[tuple[int, float]] = field(default_factory=list)  # (x, s): |node x| is at most s h
 
     def value(self, nodes: Sequence[np.ndarray]) -> np.ndarray:

@@ -52,9 +52,8 @@ class FunctionBound(NamedTuple):
     name: str
     inputs: dict[str, Range]  # by name, in the input's unit
     outputs: tuple[OutputBound, ...]
-    alarms: tuple[
-        str, ...
-    ]  # "operation: what may happen", for each operation that was not shown to be defined
+    # "operation: what may happen", for each operation that was not shown to be defined.
+    alarms: tuple[str, ...]
     unknown: tuple[str, ...] = ()  # inputs without a range
 
     @property
@@ -200,9 +199,8 @@ def rounded_outward(value: float, sign: int = 1) -> float:
         return value
     if abs(value) < _NOTHING:
         return 0.0
-    value += (
-        sign * abs(value) * 1e-9
-    )  # the digits must not depend on the last bit, which depends on the processor
+    # The digits must not depend on the last bit, which depends on the processor.
+    value += sign * abs(value) * 1e-9
     return float(Context(6, ROUND_CEILING if sign > 0 else ROUND_FLOOR).create_decimal_from_float(value))
 
 

@@ -86,9 +86,8 @@ class Slope:
 
     plain: Interval  # rows x boxes
     per_length: Mapping[int, Array] = field(default_factory=dict)  # by the node that divides by h_j
-    shared: Mapping[int, tuple[Array, Array]] = field(
-        default_factory=dict
-    )  # (a, b), by the node that divides by h_j
+    # (a, b), by the node that divides by h_j.
+    shared: Mapping[int, tuple[Array, Array]] = field(default_factory=dict)
 
     @classmethod
     def unit(cls, row: int, rows: int, boxes: int) -> Slope:

@@ -21,9 +21,8 @@ _DIRECTIONS = 144  # directions in which the boundary is computed, every 2.5°
 _HALVINGS = 20  # bisections that find a corner to a millionth of a direction step
 _SIZE, _ROW = 140.0, 15.0  # px: size of a panel, height of a line of words
 Plane = tuple[int, int]  # components of the twist that point up and to the left
-Measure = Callable[
-    [Twist], float
-]  # returns the factor by which a twist may be multiplied until it reaches a limit
+# Returns the factor by which a twist may be multiplied until it reaches a limit.
+Measure = Callable[[Twist], float]
 End = tuple[int, Point]  # number of the limit that is reached in a direction, and the point of the boundary
 
 

@@ -99,8 +99,8 @@ def _projection(projection: Projection, alone: bool) -> list[str]:
         slip = f" `slip` is |{names}|, the speed [m/s] at which they would slide."
         if count > 1:
             slip = f" `slip` is √{count} |{names}|, the norm of the speeds [m/s] at which {count} wheels would slide."
-        said = alone and _forms(projection) in ([XI[0]], [XI[1]])
-        return [f"The wheels do not allow {names}, so `inverse` first sets it to 0.{slip * said}"]
+        explained = alone and _forms(projection) in ([XI[0]], [XI[1]])
+        return [f"The wheels do not allow {names}, so `inverse` first sets it to 0.{slip * explained}"]
     return [
         "Not every ξ is admissible. `inverse` removes the part that the wheels do not allow, and drives the rest:",
         *aligned(projected(projection)),
@@ -230,7 +230,7 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
 
 
 def _coupled_spins(robot: Robot, wheels: list[Wheel], twist: Row) -> list[str]:
-    """Say how wheels with coupled spins turn; [] if section 1 has said all."""
+    """Explain how wheels with coupled spins turn; [] if section 1 explains all of it."""
     names = [w.name for w in wheels]
     ratios = robot.ratios("spin", names)
     blocks = []

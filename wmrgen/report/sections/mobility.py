@@ -145,11 +145,11 @@ def _verdicts(d: Derivation) -> list[str]:
     vector, states, where = _growth(d)
     rolling = "without slip, " if m.degenerate else ""
     velocities = ("one velocity", "two velocities", "three velocities")[m.ddof - 1]
-    said = f"{rolling}{velocities} can be chosen at once".capitalize()
-    said = keyed("mobility.without_slip" if rolling else "mobility.velocities", said)
+    chosen = f"{rolling}{velocities} can be chosen at once".capitalize()
+    chosen = keyed("mobility.without_slip" if rolling else "mobility.velocities", chosen)
     counted = f", with {states} included" if states else ""
     return [
-        f"{said} (DDOF = {m.ddof}), and poses of dimension {m.dof} can be reached "
+        f"{chosen} (DDOF = {m.ddof}), and poses of dimension {m.dof} can be reached "
         f"(DOF = {m.dof}). Holonomic means DDOF = DOF, omnidirectional means DDOF = 3: the robot is {_called(m)}. "
         f"{keyed('growth.vector', 'The growth vector is')} ({', '.join(map(str, vector))}){where}. "
         f"It counts the dimensions that the inputs and their Lie brackets span, order by order{counted}. "
@@ -205,8 +205,8 @@ def integrability(d: Derivation) -> list[str]:
     value = " or ".join(f"{float(v):g}" for v in sorted(products, key=float))
     return [
         "Can the constraints be integrated? In the world coordinates q = (x, y, θ), the sliding row of a wheel is "
-        f"c(q) q̇ = 0{fixed}. χ is its rolling direction in the world, and k the third entry. By the theorem of "
-        "Frobenius, the row can be integrated only if c · curl c = 0:",
+        f"c(q) q̇ = 0{fixed}. χ is its rolling direction in the world, and k the third entry. By Frobenius's "
+        "theorem it can be integrated only if c · curl c = 0:",
         *math(
             r"c = \begin{bmatrix} -\sin\chi & \cos\chi & k \end{bmatrix}, \qquad "
             r"c\cdot\mathrm{curl}\,c = c\cdot\begin{bmatrix} \sin\chi & -\cos\chi & 0 \end{bmatrix}"
@@ -276,8 +276,8 @@ def singular(d: Derivation) -> list[str]:
     for s in d.mobility.singularities:
         if s.kind != "icr_on_pivot":
             where = " This happens if" + (", at the same time," if len(s.conditions) > 1 else "")
-            said = capitalised(s.meaning)
-            blocks += [said + (where if s.conditions else "")]
+            meaning = capitalised(s.meaning)
+            blocks += [meaning + (where if s.conditions else "")]
             blocks += _conditions(s.conditions, d.robot) if s.conditions else []
     return [*blocks, *jackknives(d)]
 

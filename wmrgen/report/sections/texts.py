@@ -201,7 +201,7 @@ def turning_circle(robot: Robot) -> list[str]:
         keyed(
             "car.ackermann",
             f"{words} The axles of both steered wheels pass through its centre (Ackermann). ψ is the "
-            f"angle of a virtual wheel midway.{behind}",
+            f"angle of a virtual wheel midway between them.{behind}",
         ),
         *aligned([rf"\tan\psi {radius}", rf"\cot{psi_r} - \cot{psi_l} &= {ratio}"]),
     ]

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from itertools import combinations
 
 from wmrgen.errors import Mark
+from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.robotfile.records import ParameterSpec
 from wmrgen.tools.lint.record import Finding, Subject, rule
 
@@ -16,9 +18,10 @@ _SPANS = {
         rf"track|separation|gauge|tread|spacing|wheel_distance|between|axle_length|{_WHOLE}width$"
     ),
 }
+# Other names may be sizes of the body.
 _SURE = re.compile(
     r"wheel_?base|track|separation|gauge|tread|spacing|wheel_distance|between|^axle(_?(length|width|base|distance))?$"
-)  # other names may be sizes of the body
+)
 _HALF = re.compile("half|semi")
 _ROUND = re.compile(r"diam|(^|_)dia(_|$)|^(?!.*(base|robot|body)).*radius")
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
@@ -58,7 +61,7 @@ wheels:
 )
 def full(subject: Subject) -> Iterator[Finding]:
     yield from _called(subject)
-    yield from _said(subject)
+    yield from _written(subject)
     yield from faced(subject)
     yield from _skids(subject)
     rolling = [w for w in subject.robot.wheels if w.has_spin]
@@ -71,18 +74,16 @@ def full(subject: Subject) -> Iterator[Finding]:
 
 def _skids(subject: Subject) -> Iterator[Finding]:
     """Find an effective track that is shorter than the distance of the wheels across their heading."""
-    told = subject.spec.effective_track
+    effective = subject.spec.effective_track
     ahead = subject.robot.wheels[0].zero_heading.conjugate()
     sides = [(ahead * w.pivot).imag for w in subject.robot.wheels if w.kind.directed]
-    if not told:
+    if not effective:
         return
-    size, track = subject.value(told), max(sides) - min(sides)
+    size, track = subject.value(effective), max(sides) - min(sides)
     if size < _LEAST * track:
-        what = (
-            f"effective_track = {told.text} is {size:.4g} m, less than the track of the wheels, {track:.4g} m"
-        )
+        what = f"effective_track = {effective.text} is {size:.4g} m, less than the track of the wheels, {track:.4g} m"
         yield Finding(
-            told.mark,
+            effective.mark,
             what,
             "Write the full effective track, not half of it: it is 1.2 to 2 times the track of the wheels.",
         )
@@ -101,8 +102,8 @@ def _called(subject: Subject) -> Iterator[Finding]:
         sure = bool(_SURE.search(name))
         for axis, pattern in _SPANS.items() if size else ():
             span = _extent(subject, axis) / (2 * size if half else size)
-            told = pattern.search(name) or (sure and _places(p, axis, subject))
-            word = _times(span) if told else ""
+            named = pattern.search(name) or (sure and _places(p, axis, subject))
+            word = _times(span) if named else ""
             if word and (sure or (word == "twice" and not half)):
                 yield _span(p, word, axis, half)
         right, whole = (f"{p.name}/2", size / 2) if "dia" in name else (p.name, size)
@@ -135,7 +136,7 @@ def _times(ratio: float) -> str:
     return next((word for word, times in words.items() if abs(ratio / times - 1) < _CLOSE), "")
 
 
-def _said(subject: Subject) -> Iterator[Finding]:
+def _written(subject: Subject) -> Iterator[Finding]:
     """Find full sizes by the comment next to a number, or by the description."""
     about = subject.spec.description or ""
     for spec, w in subject.wheels:
@@ -178,18 +179,19 @@ def _says(text: str, what: str, size: float) -> bool:
     return False
 
 
+def facing(robot: Robot) -> Iterator[tuple[Wheel, Wheel]]:
+    """Yield pairs of wheels that are the only two of their type at one x, on two sides of the x axis."""
+    for a, b in combinations(robot.wheels, 2):
+        at_x = [w for w in robot.wheels if w.type == a.type and abs(w.pivot.real - a.pivot.real) < _CLOSE]
+        if at_x == [a, b] and a.pivot.imag * b.pivot.imag < 0:
+            yield a, b
+
+
 def faced(subject: Subject) -> Iterator[Finding]:
     """Find wheels with twice the radius or twice the distance of the wheel that faces them across the x axis."""
-    forward = [w.pivot.real for w in subject.robot.wheels]
-    for spec, a in subject.wheels:
-        others = [
-            w
-            for w, x in zip(subject.robot.wheels, forward, strict=True)
-            if w is not a and w.type == a.type and abs(x - forward[a.index]) < _CLOSE
-        ]
-        b = others[0] if len(others) == 1 else a
-        if a.pivot.imag * b.pivot.imag >= 0:
-            continue
+    pairs = list(facing(subject.robot))
+    for a, b in [*pairs, *((b, a) for a, b in pairs)]:
+        spec = subject.spec.wheels[a.index]
         radii, sides = float(a.nominal.r) / (float(b.nominal.r) or 1), abs(a.pivot.imag / b.pivot.imag)
         if abs(radii - 2) < _CLOSE and abs(sides - 1) < _CLOSE:
             what = f"{a.name}: r is twice the radius of {b.name}, which faces it: is it a diameter?"

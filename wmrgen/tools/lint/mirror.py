@@ -11,7 +11,7 @@ from typing import NamedTuple
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.robotfile.names import role
 from wmrgen.robotfile.records import Quantity, WheelSpec
-from wmrgen.tools.lint.halves import faced
+from wmrgen.tools.lint.halves import faced, facing
 from wmrgen.tools.lint.numbers import APART
 from wmrgen.tools.lint.places import labels
 from wmrgen.tools.lint.record import PAIR, Finding, Subject, rule
@@ -19,7 +19,6 @@ from wmrgen.tools.lint.record import PAIR, Finding, Subject, rule
 # Calibration changes a parameter by 10 % of its nominal value at most unless the file says otherwise. Partners that
 # differ by less may be measured values; UMBmark, for example, gives the two wheels of one robot unequal radii.
 _MEASURED = 0.1
-_SAME_PLACE = 1e-6  # two wheels have one x if theirs differ by less than this share of the robot's size
 
 
 class Partners(NamedTuple):
@@ -30,7 +29,7 @@ class Partners(NamedTuple):
 
     @property
     def midline(self) -> float:
-        """y of the line halfway between the two pivots [m]."""
+        """Return y of the line halfway between the two pivots [m]."""
         return (self.left.pivot.imag + self.right.pivot.imag) / 2
 
 
@@ -67,27 +66,21 @@ def unequal(subject: Subject) -> Iterator[Finding]:
 
 
 def _partners(robot: Robot) -> Iterator[Partners]:
-    """Pairs of one type on two sides: by their names, or the only two of the type at one x."""
+    """Yield pairs of one type on two sides: partners by their names, or the only two of the type at one x."""
+    face_each_other = list(facing(robot))
     for a, b in combinations(robot.wheels, 2):
-        if a.type == b.type and (_names_are_partners(robot, a, b) or _face_each_other(robot, a, b)):
+        if (a, b) in face_each_other or (a.type == b.type and _names_are_partners(robot, a, b)):
             left, right = (a, b) if a.pivot.imag >= b.pivot.imag else (b, a)
             yield Partners(left, right)
 
 
 def _names_are_partners(robot: Robot, a: Wheel, b: Wheel) -> bool:
-    """Whether two names differ in left and right only, and no third wheel has such a name: front_left, front_right."""
+    """Return whether two names differ in left and right only, and no other wheel has one of these roles."""
     roles = Counter(role(w.name) for w in robot.wheels)
     sides_of_a, sides_of_b = role(a.name).split(), role(b.name).split()
     exchanged = [{"left": "right", "right": "left"}.get(side, side) for side in sides_of_a]
     alone = roles[role(a.name)] == roles[role(b.name)] == 1
     return alone and exchanged == sides_of_b != sides_of_a
-
-
-def _face_each_other(robot: Robot, a: Wheel, b: Wheel) -> bool:
-    """Whether two wheels are the only ones of their type at one x, on two sides of the x axis."""
-    near = _SAME_PLACE * max(abs(w.pivot) for w in robot.wheels)
-    at_x = [w for w in robot.wheels if w.type == a.type and abs(w.pivot.real - a.pivot.real) <= near]
-    return at_x == [a, b] and a.pivot.imag * b.pivot.imag < 0
 
 
 def _differences(subject: Subject, pair: Partners, midline: float, size: float) -> Iterator[str]:
@@ -97,10 +90,9 @@ def _differences(subject: Subject, pair: Partners, midline: float, size: float) 
     differ = not isclose(r_left, r_right, rel_tol=_MEASURED)
     if differ and isclose(r_left, r_right, rel_tol=1 - 1 / APART):  # WMR004 reports radii further apart
         yield f"r is {r_left:.4g} m and {r_right:.4g} m"
-    one_axle_meant = (
-        subject.mobility.degenerate and subject.robot.effective_track is None
-    )  # WMR031, WMR034, WMR035
-    if abs(left.pivot.real - right.pivot.real) > _MEASURED * size and not one_axle_meant:
+    # WMR031, WMR034 and WMR035 report a robot that is degenerate because its wheels are on two axles.
+    on_two_axles = subject.mobility.degenerate and subject.robot.effective_track is None
+    if abs(left.pivot.real - right.pivot.real) > _MEASURED * size and not on_two_axles:
         yield f"x is {left.pivot.real:.4g} m and {right.pivot.real:.4g} m"
     track = left.pivot.imag - right.pivot.imag
     if abs(pair.midline - midline) > _MEASURED * track:
@@ -110,8 +102,7 @@ def _differences(subject: Subject, pair: Partners, midline: float, size: float) 
     for name in sorted(set(limits_left) & set(limits_right)):
         low, high = limits_left[name]
         written = limits_right[name]
-        mirrored = written in ((low, high), (-high, -low))
-        if not mirrored:
+        if written not in ((low, high), (-high, -low)):  # the same, or mirrored as steering angles are
             yield f"the limits of {name} are [{low:.4g}, {high:.4g}] and [{written[0]:.4g}, {written[1]:.4g}]"
 
 

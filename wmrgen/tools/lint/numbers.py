@@ -162,10 +162,10 @@ def _meant(size: float, least: float = 0.1, most: float = 3.0) -> str:
 def _lengths(subject: Subject) -> Iterator[tuple[str, Quantity]]:
     """Yield the lengths that do not belong to a wheel: the start of a sentence, and the quantity."""
     spec = subject.spec
-    told = [(f"the trailer {t.name} has a length", q) for t in spec.trailers for q in (t.length, t.hitch)]
-    told += [(f"the centre of gravity has a {key}", getattr(spec.cg, key, None)) for key in "xyz"]
-    told.append(("the robot has an effective track", spec.effective_track))
-    yield from ((words, quantity) for words, quantity in told if quantity)
+    lengths = [(f"the trailer {t.name} has a length", q) for t in spec.trailers for q in (t.length, t.hitch)]
+    lengths += [(f"the centre of gravity has a {key}", getattr(spec.cg, key, None)) for key in "xyz"]
+    lengths.append(("the robot has an effective track", spec.effective_track))
+    yield from ((words, quantity) for words, quantity in lengths if quantity)
 
 
 @rule(

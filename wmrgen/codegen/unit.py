@@ -44,14 +44,14 @@ class Struct(NamedTuple):
         return [port for port in found if port is not None]
 
 
-def struct(name: str, ports: Sequence[Port], text: str, identifier: Callable[[str, set[str]], str]) -> Struct:
+def struct(name: str, ports: Sequence[Port], text: str, identifier: Callable[[str], str]) -> Struct:
     """Return the struct of ``ports``: a member for each port without a wheel, and a nested struct for each wheel.
 
     Args:
         name: Name of the struct.
         ports: Members, at least one.
         text: What the struct is.
-        identifier: Returns an identifier for a name that none of the used identifiers is, and adds it to them.
+        identifier: Returns an identifier of the language that resembles a name.
     """
     paths = _paths(ports, identifier)
     fields: dict[str, Field] = {}  # in the order in which ports mention them
@@ -67,7 +67,7 @@ def struct(name: str, ports: Sequence[Port], text: str, identifier: Callable[[st
     return Struct(name, text, tuple(fields.values()), members)
 
 
-def _paths(ports: Sequence[Port], identifier: Callable[[str, set[str]], str]) -> dict[str, tuple[str, str]]:
+def _paths(ports: Sequence[Port], identifier: Callable[[str], str]) -> dict[str, tuple[str, str]]:
     """Return the wheel (or "") and the member of each port by contract name, without clashes at either level."""
     paths: dict[str, tuple[str, str]] = {}
     wheels = {"": ""}
@@ -75,10 +75,18 @@ def _paths(ports: Sequence[Port], identifier: Callable[[str, set[str]], str]) ->
     for port in sorted(ports, key=lambda port: "." in port.name):  # a name without a dot is not changed
         wheel, _, member = port.name.rpartition(".")
         if wheel not in wheels:
-            wheels[wheel] = identifier(wheel, used[""])
+            wheels[wheel] = _unused(identifier(wheel), used[""])
             used[wheel] = set()
-        paths[port.name] = wheels[wheel], identifier(member, used[wheel])
+        paths[port.name] = wheels[wheel], _unused(identifier(member), used[wheel])
     return paths
+
+
+def _unused(identifier: str, used: set[str]) -> str:
+    """Return an identifier with low lines added until it is not among ``used``, and add it to them."""
+    while identifier in used:
+        identifier += "_"
+    used.add(identifier)
+    return identifier
 
 
 def place_of(variable: str, member: str) -> str:

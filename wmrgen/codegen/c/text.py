@@ -190,15 +190,10 @@ class _Row(NamedTuple):
     comment: str
 
 
-def _identifier(name: str, used: set[str]) -> str:
-    """Return an unused C identifier that resembles ``name``, and add it to ``used``."""
-    result = re.sub(r"[^A-Za-z0-9_]", "_", name)
-    if not result[:1].isalpha():
-        result = "k" + result
-    while result in used:
-        result += "_"
-    used.add(result)
-    return result
+def _identifier(name: str) -> str:
+    """Return a C identifier that resembles ``name``."""
+    text = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    return text if text[:1].isalpha() else f"k{text}"
 
 
 def struct(name: str, ports: Sequence[Port], text: str) -> Struct:

@@ -75,15 +75,6 @@ def wrapped(text: str, first: str = "") -> list[str]:
     return textwrap.wrap(first + text, WIDTH - 4, subsequent_indent=" " * len(first), break_on_hyphens=False)
 
 
-def _unused(name: str, used: set[str]) -> str:
-    """Return an unused Rust identifier that resembles ``name``, and add it to ``used``."""
-    result = identifier(name)
-    while result in used:
-        result += "_"
-    used.add(result)
-    return result
-
-
 def struct(name: str, ports: Sequence[Port], text: str) -> Struct:
     """Return the Rust struct ``name`` of ``ports``.
 
@@ -92,7 +83,7 @@ def struct(name: str, ports: Sequence[Port], text: str) -> Struct:
         ports: The members.
         text: What the struct is.
     """
-    return struct_of(name, ports, text, _unused)
+    return struct_of(name, ports, text, identifier)
 
 
 def declaration(struct: Struct, scalar: str) -> list[dict[str, Any]]:

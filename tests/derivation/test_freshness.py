@@ -307,7 +307,9 @@ def copied(home: Path) -> dict[str, str]:
 @pytest.mark.parametrize(
     "change",
     [
-        lambda home: rewritten(home / "wmrgen/errors.py", '"""Every failure', '"""Each failure'),
+        lambda home: rewritten(
+            home / "wmrgen/errors.py", "import annotations\n", "import annotations  # changed\n"
+        ),
         lambda home: (home / "wmrgen/derivation/more.py").write_text(""),
         lambda home: (home / "wmrgen/tools/exporting/wpilib.py").unlink(),
         lambda home: rewritten(home / "templates/c99/header.h.j2", "{{", "{{ "),

@@ -67,6 +67,12 @@ def test_random_robots(text: str) -> None:
         derive(text.encode())
 
 
+def test_a_slip_that_needs_less_of_prepare_than_inverse_does() -> None:
+    """The passive spin is left out of the C, and with it the values of `prepare` that it alone needs."""
+    top = "parameters: {p: {value: 0.5, tunable: true}}\n"
+    derive(robot(wheel("a", "fixed", heading="p*pi", actuated="[]"), top=top).encode())
+
+
 def test_a_lone_wheel_whose_joint_does_not_tell_the_twist() -> None:
     """Its report solved for it, by a determinant of 0, in a recursion without end."""
     derive(

@@ -7,7 +7,7 @@ A CALL node names a kernel of its module (`Module.kernels`), which is a function
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from wmrgen.errors import UsageError
@@ -93,7 +93,17 @@ def select(module: Module, names: dict[str, str]) -> Module:
     wanted = called(functions)
     kernels = tuple(kernel for kernel in module.kernels if kernel.name in wanted)
     prepare = prepare if prepare and prepare.outputs else None
-    return replace(module, functions=functions, prepare=prepare, kernels=kernels)
+    prepared = {port.name for port in prepare.outputs} if prepare else set()
+    complete = tuple(_without_missing(f, prepared) for f in functions)
+    return replace(module, functions=complete, prepare=prepare, kernels=kernels)
+
+
+def _without_missing(function: Function, prepared: Collection[str]) -> Function:
+    """Return a function without inputs from `prepare` that are not among ``prepared``; no node reads them."""
+    inputs = tuple(
+        port for port in function.inputs if port.role is not Role.PREPARED or port.name in prepared
+    )
+    return replace(function, inputs=inputs)
 
 
 def keep_outputs(function: Function, names: frozenset[str], name: str) -> Function:

@@ -17,7 +17,7 @@ from wmrgen.ir.bounds.analysis import Claim, Outcome, analysed
 from wmrgen.ir.bounds.assumptions import LIBM
 from wmrgen.ir.bounds.patterns import SMALL_ANGLE
 
-EVERYDAY, DEEP = range(150), range(150, 3000)
+EVERYDAY, DEEP = range(150), range(150, 1500)
 POINTS, EXACT_POINTS = 300, 12
 ROOM = 1 + 1e-9  # for the float64 arithmetic of the oracle [1]
 

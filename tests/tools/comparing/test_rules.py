@@ -21,7 +21,7 @@ def files(folder: Path, example: str, ignore: str = "") -> tuple[Path, Path]:
     """The two files of an example; ``ignore``: a comment on every line of the second."""
     paths = []
     for name, text in zip(("first", "second"), example.split("---\n"), strict=True):
-        head = "wmrgen: 1\nname: tried\n" if text.startswith("wheels:") else ""
+        head = "wmrgen: 1\nname: tried\n" if text.startswith(("wheels:", "limits:")) else ""
         lines = (head + text).rstrip("\n").split("\n")
         if ignore and name == "second":
             lines = [f"{line}   {ignore}" for line in lines]

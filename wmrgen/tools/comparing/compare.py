@@ -3,47 +3,93 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import NamedTuple
 
 from wmrgen.errors import Mark
 from wmrgen.robotfile.names import role
-from wmrgen.tools.comparing.differences import ORDER, shown, with_layout
-from wmrgen.tools.comparing.motion import Pairs, effects
+from wmrgen.tools.comparing.commands import evaluated, limit_differences, unexplained
+from wmrgen.tools.comparing.differences import KIND, MISSING, ORDER, PLACE, SIGN, shown, with_layout
+from wmrgen.tools.comparing.motion import Pairs, effects, effects_of
 from wmrgen.tools.comparing.parameters import standing, with_controller
 from wmrgen.tools.comparing.quantities import as_driven, parts, roles
-from wmrgen.tools.comparing.record import Comparison, Effect, Layout, Silent
+from wmrgen.tools.comparing.record import Comparison, Difference, Effect, Layout, Silent
+from wmrgen.tools.importing.records import Controller
 from wmrgen.tools.lint.record import Finding, ignored
 
 _OPPOSITE = {"front": "rear", "rear": "front", "left": "right", "right": "left"}
 
 
 def compare(a: Layout, b: Layout) -> Comparison:
-    """What differs from ``a`` to ``b``, and how a robot like ``a`` moves by commands that are computed from ``b``. A
-    controller for ``a`` is a robot of its kind."""
+    """Return the differences from ``a`` to ``b``, and how a robot like ``a`` moves by commands computed from ``b``.
+
+    A controller for ``a`` is treated as a robot of its kind.
+    """
     a = standing(a, b.controller)
     if b.controller and a.effective_track:
         a = replace(a, wheels=as_driven(a.wheels, a.effective_track[0]))
-    if b.controller:
-        differences, pairs, notes, silent = with_controller(a, b.controller)
-        notes += b.controller.notes
-    else:
-        differences, pairs, notes, silent = with_layout(a, b)
-        pairs = _turning(a, b, pairs)
-    told = [d for d in differences if not any(d.code in ignored(mark) for mark in d.marks)]
-    if len(told) < len(differences):
-        notes.append(f"{len(differences) - len(told)} differences are to be ignored")
+    found = _with_controller(a, b, b.controller) if b.controller else _with_layout(a, b)
+    reported = [d for d in found.differences if not any(d.code in ignored(mark) for mark in d.marks)]
+    notes = list(found.notes)
+    if len(reported) < len(found.differences):
+        notes.append(f"{len(found.differences) - len(reported)} differences are to be ignored")
     moved: tuple[Effect, ...] = ()
     ties = a.ties or (), b.ties or ()
     try:
-        moved = tuple(effects(_filled(pairs), *ties))
-        if any(d.code == ORDER for d in told) and len(a.wheels) == len(b.wheels):
+        moved = tuple(found.effects() if found.effects else effects(_filled(found.pairs), *ties))
+        if any(d.code == ORDER for d in reported) and len(a.wheels) == len(b.wheels):
             numbered = [(v, w) for v, w in zip(a.wheels, b.wheels, strict=True) if parts([v])]
             words = [e.words for e in effects(_filled(numbered), *ties) if e.words]
             notes += [f"wheels taken by number, not by name: {word}" for word in words]
     except _Unknown as why:
         notes.append(f"motion is not computed: {why}")
-    return Comparison(a, b, tuple(told), moved, tuple(notes), _unsaid(a, b, silent))
+    compared = found.compared or bool(found.differences)
+    return Comparison(a, b, tuple(reported), moved, tuple(notes), _unsaid(a, b, found.silent), compared)
+
+
+class _Found(NamedTuple):
+    """What two files have otherwise, before comments are considered."""
+
+    differences: list[Difference]
+    pairs: Pairs
+    notes: list[str]
+    silent: Silent
+    compared: bool
+    effects: Callable[[], Iterator[Effect]] | None = None  # of joint commands, if they are known
+
+
+def _with_layout(a: Layout, b: Layout) -> _Found:
+    """Return the differences of two files that describe wheels."""
+    differences, pairs, notes, silent = with_layout(a, b)
+    return _Found(differences, _turning(a, b, pairs), notes, silent, bool(pairs))
+
+
+def _with_controller(a: Layout, b: Layout, controller: Controller) -> _Found:
+    """Return the differences of a robot and a controller.
+
+    The joint commands decide, if the controller has a record: lengths that differ explain wrong commands, and are no
+    difference of right ones.
+    """
+    by_length = with_controller(a, controller)
+    notes = [*by_length.notes, *controller.notes]
+    evaluation, of_joints, more = evaluated(a, b)
+    limits, of_limits = limit_differences(a, b)
+    differences, result = by_length.differences, None
+    if evaluation:
+        if not evaluation.unequal(evaluation.numbers):
+            differences = [d for d in differences if d.code in (KIND, MISSING)]
+        elif not any(d.code == KIND for d in differences):
+            sides = [d for d in differences if d.code in (PLACE, SIGN)]
+            differences = [*differences, *unexplained(evaluation, sides)]
+        wheels, applied = evaluation.wheels, evaluation.applied
+        if len(evaluation.joints) > 0:
+            result = lambda: effects_of(wheels, a.ties or (), applied, wheels)  # noqa: E731
+    known = {d.wheel for d in differences if d.code == MISSING and d.wheel}
+    differences = [*differences, *(d for d in of_joints if d.wheel not in known), *limits]
+    notes += [*more, *of_limits]
+    compared = by_length.compared or evaluation is not None
+    return _Found(differences, by_length.pairs, notes, by_length.silent, compared, result)
 
 
 def _unsaid(a: Layout, b: Layout, silent: Silent) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +20,6 @@ from wmrgen.tools.comparing.record import SAME, Effect, Side, Tie
 
 Array = NDArray[np.float64]
 Pairs = Sequence[tuple[Side, Side]]  # wheels of the first robot, each with what the second file says of it
-Coupled = tuple[Sequence[Side], Sequence[Tie]]  # wheels, and which of their joints turn together
 _SEEN = 5e-4  # of a motion: what changes less is not told
 # Curvature of the turn of a car, per its own size: there the angles of its wheels are in proportion.
 _GENTLE = 1e-4
@@ -47,7 +46,7 @@ def _rows(w: Side, steer: float) -> tuple[Array, Array]:
     return rolling, _along(w, 1j * e) + np.array([0, 0, w.of("d")])
 
 
-def _command(w: Side, twist: Array) -> Command:
+def command_of(w: Side, twist: Array) -> Command:
     """What a wheel is told for a twist (vx, vy, omega): at most a quarter turn; a castor has angle 0."""
     kind = w.kind
     steer = rate = 0.0
@@ -104,7 +103,7 @@ def _is_car(wheels: Sequence[Side]) -> bool:
     return any(k.fixed_axle for k in kinds) and any(k.steers for k in kinds)
 
 
-def _ahead(wheels: Sequence[Side]) -> float:
+def ahead_of_origin(wheels: Sequence[Side]) -> float:
     """How far in front of P the fixed axle lies, along the direction of driving; 0 without one."""
     along = forward(wheels).conjugate()
     fixed = [(along * w.pivot).real for w in wheels if w.kind.fixed_axle]
@@ -117,35 +116,71 @@ def _asked(motion: str, wheels: Sequence[Side]) -> Array:
     if motion != "turn":
         direction = along * (1 if motion == "straight" else 1j)
         return np.array([direction.real, direction.imag, 0.0])
-    aside = -1j * along * _ahead(wheels)  # of P, while the axle does not move sideways
+    aside = -1j * along * ahead_of_origin(wheels)  # of P, while the axle does not move sideways
     return np.array([aside.real, aside.imag, 1.0])
 
 
 def effects(pairs: Pairs, own_ties: Sequence[Tie] = (), told_ties: Sequence[Tie] = ()) -> Iterator[Effect]:
-    """What each motion becomes that the robot can do, by its own couplings and those of the second file."""
+    """Yield the changes of each motion that the robot can do.
+
+    Args:
+        pairs: Wheels of the robot, each with what the second file says of it.
+        own_ties: The couplings of the robot.
+        told_ties: The couplings of the second file.
+    """
     own, told = [a for a, _ in pairs], [b for _, b in pairs]
+
+    def commands(twist: Array) -> Sequence[Command]:
+        return _together([command_of(w, twist) for w in told], told, told_ties)
+
+    yield from effects_of(own, own_ties, commands, told)
+
+
+def effects_of(
+    own: Sequence[Side],
+    ties: Sequence[Tie],
+    commands: Callable[[Array], Sequence[Command]],
+    told: Sequence[Side],
+) -> Iterator[Effect]:
+    """Yield the changes of each motion that the robot can do.
+
+    Args:
+        own: The wheels of the robot.
+        ties: Its couplings.
+        commands: Twist of P -> commands of the wheels in their order.
+        told: The wheels as the source of the commands has them, which decide where its fixed axle is.
+    """
     size = max(abs(w.pivot - v.pivot) for w in own for v in own) or 1.0
-    robot = own, own_ties
+
+    def needed(twist: Array) -> Sequence[Command]:
+        return _together([command_of(w, twist) for w in own], own, ties)
+
     for motion in ("straight", "strafe", "turn"):
-        nominal, actual = (_driven(robot, each, motion, size) for each in (robot, (told, told_ties)))
+        nominal = _driven(own, ties, needed, _twists(motion, own, own, size))
+        actual = _driven(own, ties, commands, _twists(motion, own, told, size))
         effect = _effect(motion, nominal, actual, forward(own), size / 2)
         if effect:
             yield effect
 
 
-def _driven(robot: Coupled, by: Coupled, motion: str, size: float) -> Array:
-    """The response of a robot to what wheels like those of ``by`` are told for a motion; of a car, per curvature."""
-    (own, ties), (told, _) = robot, by
-
-    def response(twist: Array) -> Array:
-        commands = _together([_command(w, twist) for w in told], *by)
-        return _response(own, _together(commands, own, ties))
-
+def _twists(motion: str, own: Sequence[Side], told: Sequence[Side], size: float) -> list[tuple[Array, float]]:
+    """Return the twists of a motion with their weights: for the turn of a car, two gentle curves per curvature."""
     asked = _asked(motion, told)
     if motion != "turn" or not _is_car(own):
-        return response(asked)
+        return [(asked, 1.0)]
     ahead, bend = _asked("straight", told), _GENTLE / size
-    return (response(ahead + bend * asked) - response(ahead - bend * asked)) / (2 * bend)
+    return [(ahead + bend * asked, 0.5 / bend), (ahead - bend * asked, -0.5 / bend)]
+
+
+def _driven(
+    own: Sequence[Side],
+    ties: Sequence[Tie],
+    commands: Callable[[Array], Sequence[Command]],
+    twists: Sequence[tuple[Array, float]],
+) -> Array:
+    """Return the weighted response of a robot to the commands for some twists."""
+    responses = [weight * _response(own, _together(commands(twist), own, ties)) for twist, weight in twists]
+    return np.asarray(sum(responses))
 
 
 def _effect(motion: str, nominal: Array, actual: Array, forward: complex, arm: float) -> Effect | None:

@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from wmrgen.errors import Mark
 from wmrgen.robotfile.wheel_types import WheelType
@@ -74,12 +75,21 @@ def _usual(kind: str, type_: str, at: complex) -> Side:
     return Side((f"wheel at {at:.3g}",), type_, values)
 
 
-def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, list[str], Silent]:
-    """What a controller says otherwise of a robot, the robot's wheels each as both have it, notes, and what one of them
-    alone says."""
+class WithController(NamedTuple):
+    """The lengths of a controller against those of a robot."""
+
+    differences: list[Difference]
+    pairs: Pairs  # the robot's wheels, each with what the controller has of it
+    notes: list[str]
+    silent: Silent
+    compared: bool  # they have a length or a place in common
+
+
+def with_controller(a: Layout, c: Controller) -> WithController:
+    """Return what a controller has otherwise than a robot."""
     wheels = parts(a.wheels)
     if not wheels:
-        return [], [], [], ([], [])
+        return WithController([], [], [], ([], []), False)
     kinds = [w.kind for w in wheels]
     where, along = roles(wheels), forward(wheels)
     skids = all(k.fixed_axle for k in kinds) and any("front" in word for word in where)
@@ -115,12 +125,11 @@ def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, 
     if c.kind == "omni" and a.ordered:
         differences += order(wheels, [i for j in c.joints for i, w in enumerate(wheels) if _is(w, j.joint)])
     factors = [f"{f.key} {float(f.value):g}" for f in c.multipliers.values() if skids and f.value != 1]
-    return (
-        differences,
-        pairs,
-        [f"{factor} corrects for skidding, and does not count" for factor in factors],
-        silent,
-    )
+    notes = [f"{factor} corrects for skidding, and does not count" for factor in factors]
+    placed = bool(of_wheels & c.places.keys())
+    named = any(_is(w, j.joint) for w in wheels for j in c.joints)
+    common = placed or any(key in sizes for key in c.lengths) or named
+    return WithController(differences, pairs, notes, silent, common)
 
 
 def _needed(c: Controller, sizes: Mapping[str, float]) -> list[str]:
@@ -159,7 +168,8 @@ def _as_meant(c: Controller, kinds: Iterable[WheelType], wheelbase: float) -> Co
 def _is(w: Side, joint: str) -> bool:
     """The joint is one of the wheel's, but for a prefix, which may be an argument; or it has the wheel's name, to which
     a robot file adds no joint: ``left`` and ``left_wheel_joint``."""
-    return any(own.endswith(joint) or bare(own) == bare(joint) != "" for own in w.names)
+    names = (*w.names, *(known.name for known in w.joints.values()))
+    return any(own.endswith(joint) or bare(own) == bare(joint) != "" for own in names)
 
 
 def _joints(a: Layout, c: Controller) -> Iterator[Difference]:

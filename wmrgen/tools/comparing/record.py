@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from wmrgen.errors import Mark
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES, WheelType
+from wmrgen.tools.controllers.parameters import Terms
+from wmrgen.tools.controllers.record import ControllerType, Distro
 from wmrgen.tools.importing.records import Controller
 
 Value = float | str | tuple[float, float] | None
@@ -15,6 +18,13 @@ Silent = tuple[list[str], list[str]]  # what the first file does not say, and th
 ROBOT_FILE, DESCRIPTION, HEADER, CONTROLLER = "robot file", "description", "header", "controller"
 JOINTS = ("spin", "steer")  # which couplings join
 SAME = 2e-3  # of a length, or rad: what differs less is equal
+
+
+class JointName(NamedTuple):
+    """A joint of a wheel as other software names it."""
+
+    name: str
+    sign: int = 1  # -1 if the joint counts against the wheel's own angle, as a steering axis that points down
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +38,9 @@ class Side:
     values: Mapping[str, float]
     marks: Mapping[str, Mark] = field(default_factory=dict)
     actuated: tuple[str, ...] | None = None
+    joints: Mapping[str, JointName] = field(
+        default_factory=dict
+    )  # spin and steer, as far as the file names them
 
     @property
     def name(self) -> str:
@@ -82,6 +95,11 @@ class Layout:
     title: str = ""
     effective_track: tuple[float, Mark] | None = None
     ties: tuple[Tie, ...] | None = None
+    evaluable: tuple[ControllerType, Terms] | None = (
+        None  # the controller's record and what the file gives of it
+    )
+    distro: Distro | None = None  # whose names and formula the controller has
+    limits: Mapping[str, float] = field(default_factory=dict)  # of the twist, as "vx.high" [m/s, rad/s]
 
     @property
     def source(self) -> str:
@@ -122,3 +140,4 @@ class Comparison:
     effects: tuple[Effect, ...]
     notes: tuple[str, ...]
     unsaid: tuple[str, ...]
+    compared: bool = True  # the two files have something in common

@@ -5,6 +5,9 @@ from __future__ import annotations
 from wmrgen.tools.lint.record import PAIR, Rule
 
 DIFF = "drive:\n  type: diff_drive_controller/DiffDriveController\n"
+STEERING = (
+    "car:\n  type: tricycle_steering_controller/TricycleSteeringController\n  traction_wheels_radius: 0.3\n"
+)
 MECANUM = """
 wheels:
   - {name: front_left,  type: swedish, x: 0.3,  y: 0.2,  heading: 0, r: 0.1, gamma: -45 deg}
@@ -17,6 +20,20 @@ wheels:
   - {name: front, type: steered, x: 1.5, y: 0, heading: 0, r: 0.3, actuated: [steer]}
   - {name: left,  type: fixed, x: 0, y: 0.6,  heading: 0, r: 0.3}
   - {name: right, type: fixed, x: 0, y: -0.6, heading: 0, r: 0.3}
+"""
+CAR_WITH_TWO = """
+wheels:
+  - {name: rear_left,   type: fixed, x: 0, y: 0.4,  heading: 0, r: 0.3}
+  - {name: rear_right,  type: fixed, x: 0, y: -0.4, heading: 0, r: 0.3}
+  - {name: front_left,  type: steered, x: 1.5, y: 0.4,  heading: 0, r: 0.3, actuated: [steer]}
+  - {name: front_right, type: steered, x: 1.5, y: -0.4, heading: 0, r: 0.3, actuated: [steer]}
+"""
+ACKERMANN = """car:
+  type: ackermann_steering_controller/AckermannSteeringController
+  wheelbase: 1.5
+  traction_track_width: 0.8
+  traction_wheels_radius: 0.3
+  traction_joints_names: [rear_right_spin, rear_left_spin]
 """
 BELTS = """
 wheels:
@@ -55,8 +72,8 @@ _between(
     """The distance from the rear to the front wheels decides how far a car steers for a curve: with a wheelbase that is
     too short it steers too little, and turns less than it is told.""",
     CAR,
-    "car: {type: tricycle_controller/TricycleController, wheelbase: 1.2, wheel_radius: 0.3}",
-    "car: {type: tricycle_controller/TricycleController, wheelbase: 1.5, wheel_radius: 0.3}",
+    f"{STEERING}  wheelbase: 1.2",
+    f"{STEERING}  wheelbase: 1.5",
 )
 _between(
     "WMR042",
@@ -153,4 +170,22 @@ _between(
         "equal: [rear_left.spin, front_left.spin]", "equal: [rear_left.spin, front_left.spin], ratios: [1, 2]"
     ),
     BELTS,
+)
+_between(
+    "WMR052",
+    "a joint that is commanded otherwise than the robot needs",
+    """The controller's own formula gives a joint another rate or angle than the robot's inverse kinematics, and no
+    length explains it: lists in another order, an axis that points down, rollers of the other form, an offset of the
+    base frame. Steering controllers take the right joint first.""",
+    CAR_WITH_TWO,
+    f"{ACKERMANN}  steering_joints_names: [front_left_steer, front_right_steer]",
+    f"{ACKERMANN}  steering_joints_names: [front_right_steer, front_left_steer]",
+)
+_between(
+    "WMR053",
+    "a limit beyond the robot's",
+    """The controller lets the robot drive faster, or accelerate more, than the limits of the robot file allow.""",
+    f"limits: {{vx: 1.0, omega: 2.0}}\n{PAIR.strip()}",
+    f"{DIFF}  wheel_separation: 0.4\n  wheel_radius: 0.1\n  linear: {{x: {{max_velocity: 5.0}}}}",
+    f"{DIFF}  wheel_separation: 0.4\n  wheel_radius: 0.1\n  linear: {{x: {{max_velocity: 1.0}}}}",
 )

@@ -4,30 +4,38 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 
 import wmrgen
-from wmrgen.errors import Mark, RobotFileError
+from wmrgen.errors import ErrorCollector, Mark, RobotFileError
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.robotfile.numbers import NUMBER
+from wmrgen.robotfile.reader import read_tree
 from wmrgen.robotfile.records import RobotSpec
-from wmrgen.robotfile.text import Source, printable, read_at_most
+from wmrgen.robotfile.text import MAX_BYTES, Source, bytes_of, decode, printable, read_at_most
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES
+from wmrgen.tools.comparing.joints import joint_name
 from wmrgen.tools.comparing.record import (
     CONTROLLER,
     DESCRIPTION,
     HEADER,
     JOINTS,
     ROBOT_FILE,
+    JointName,
     Layout,
     Side,
     Tie,
 )
+from wmrgen.tools.controllers import controller_type
+from wmrgen.tools.controllers.parameters import NamedJoint, ParameterSet, Terms, parameter_sets, terms_of
+from wmrgen.tools.controllers.record import ControllerType, Distro
+from wmrgen.tools.exporting.drives import limits_of
 from wmrgen.tools.importing.controllers import read_controllers
-from wmrgen.tools.importing.records import Controller, Imported, Joint, Wheel
+from wmrgen.tools.importing.records import Controller, Description, Imported, Wheel
 from wmrgen.tools.importing.source import description_of, pairs
+from wmrgen.tools.importing.view import Robot as View
 from wmrgen.tools.importing.wheels import import_wheels
 
 _HEADER = re.compile(r"^#define (\w+)_WHEELS \d+", re.MULTILINE)
@@ -60,10 +68,24 @@ def of_robot(spec: RobotSpec, robot: Robot, source: str) -> Layout:
         for key in ("x", "y", "r", "d", "offset_y", "heading", "gamma", "l", "alpha", "beta"):
             quantity = getattr(written, key)
             marks |= {key: quantity.mark} if quantity else {}
-        sides.append(Side((w.name,), w.type, values, marks, w.actuated))
+        joints = {joint: JointName(joint_name(w, joint)) for joint in w.kind.joints}
+        sides.append(Side((w.name,), w.type, values, marks, w.actuated, joints))
     track, said = robot.effective_track, spec.effective_track
     effective = (float(track.nominal), said.mark) if track and said else None
-    return Layout(source, ROBOT_FILE, tuple(sides), True, effective_track=effective, ties=_ties(spec, robot))
+    return Layout(
+        source,
+        ROBOT_FILE,
+        tuple(sides),
+        True,
+        effective_track=effective,
+        ties=_ties(spec, robot),
+        limits=_twist_limits(robot),
+    )
+
+
+def _twist_limits(robot: Robot) -> dict[str, float]:
+    """Return the limits of the twist and of its rates by the terms of controllers, such as "vx.high"."""
+    return {name: value for name, value in limits_of(robot).items() if isinstance(value, float)}
 
 
 def _ties(spec: RobotSpec, robot: Robot) -> tuple[Tie, ...]:
@@ -77,27 +99,38 @@ def _ties(spec: RobotSpec, robot: Robot) -> tuple[Tie, ...]:
     return tuple(tie for tie in ties if len(tie.turns) > 1)
 
 
-def of_import(robot: Imported, joints: Iterable[Joint], source: str) -> Layout:
+def steering_signs(description: Description, base: str) -> dict[str, int]:
+    """Return the joints that turn about an upright axis with the sign of the axis: -1 if it points down."""
+    seen = View(description, base)
+    upright = [joint for joint in description.joints if seen.reaches(joint.child) and seen.upright(joint)]
+    return {joint.name: -1 if seen.axis(joint)[2] < 0 else 1 for joint in upright}
+
+
+def of_import(robot: Imported, description: Description, source: str) -> Layout:
     """The layout of a URDF or SDF, as far as it says: of couplings nothing where one is in doubt. Its wheels stand
     where their joints do."""
-    places = {joint.name: joint.mark for joint in joints}
+    places = {joint.name: joint.mark for joint in description.joints}
     turns: dict[tuple[str, str], dict[str, float]] = {}
     for each in robot.couplings:
         (first, _, joint), (second, _, _) = each.first.rpartition("."), each.second.rpartition(".")
         turns.setdefault((first, joint), {first: 1.0})[second] = float(each.ratio)
     doubted = any(q.key == "equal" for q in robot.questions)
     ties = None if doubted else tuple(Tie(joint, shaft) for (_, joint), shaft in turns.items())
-    sides = tuple(_imported(w, places) for w in robot.wheels)
+    signs = steering_signs(description, robot.base)
+    sides = tuple(_imported(w, places, signs) for w in robot.wheels)
     return Layout(source, DESCRIPTION, sides, joints=frozenset(places), ties=ties)
 
 
-def _imported(wheel: Wheel, places: Mapping[str, Mark | None]) -> Side:
+def _imported(wheel: Wheel, places: Mapping[str, Mark | None], signs: Mapping[str, int]) -> Side:
     keys = ("x", "y", "heading", "r", "d", "offset_y", "gamma")
     values = {key: float(value) for key in keys if (value := getattr(wheel, key)) is not None}
     names = (wheel.name, *filter(None, (wheel.joint, wheel.steer_joint)))
     mark = next(filter(None, map(places.get, names[1:])), None)
     marks = {"": mark} if mark else {}
-    return Side(names, wheel.type, values, marks, wheel.actuated)
+    joints = {"spin": JointName(wheel.joint)} if wheel.joint else {}
+    if wheel.steer_joint:
+        joints["steer"] = JointName(wheel.steer_joint, signs.get(wheel.steer_joint, 1))
+    return Side(names, wheel.type, values, marks, wheel.actuated, joints)
 
 
 def of_header(text: str, source: str) -> Layout:
@@ -140,18 +173,75 @@ def _refuse_what_nothing_has(values: Mapping[str, float], marks: Mapping[str, Ma
             )
 
 
-def of_controller(controller: Controller, source: str) -> Layout:
-    """The lengths that a controller has, without wheels yet."""
+def of_controller(
+    controller: Controller, source: str, given: ParameterSet | None = None, distro: Distro | None = None
+) -> Layout:
+    """Return the layout of a controller, which has lengths and no wheels.
+
+    Args:
+        controller: Its lengths and joints.
+        source: The file.
+        given: All its parameters; None: only what ``controller`` has, as of a plugin.
+        distro: The release of ROS 2 whose names it has; None: those of all releases.
+    """
     title = " ".join(filter(None, (controller.name, f"({controller.type})" if controller.type else "")))
-    return Layout(source, CONTROLLER, controller=controller, title=title)
+    record = controller_type(given.type if given else controller.type)
+    evaluable = None
+    if record and (given or record.tag):
+        terms = terms_of(record, given, distro) if given else terms_of_plugin(record, controller)
+        evaluable = record, terms
+    return Layout(source, CONTROLLER, controller=controller, title=title, evaluable=evaluable, distro=distro)
+
+
+def terms_of_plugin(record: ControllerType, controller: Controller) -> Terms:
+    """Return the terms that a drive plugin gives: its lengths, and its joints by their positions.
+
+    Args:
+        record: The record of the plugin.
+        controller: What was read of it.
+    """
+    terms = {key: term for term, key in record.lengths.items()}
+    terms |= {"front_track": "steering_track"} if "steering_track" in record.lengths else {}
+    numbers = dict(record.defaults)
+    parameters = {}
+    for key, setting in controller.lengths.items():
+        if key in terms:
+            numbers[terms[key]] = float(setting.value)
+            parameters[terms[key]] = (setting.key, setting.mark)
+    joints: dict[str, tuple[NamedJoint, ...]] = {}
+    for named in controller.joints:
+        for term, (place, *_) in record.places.items():
+            words = named.role.split()
+            same_kind = named.steers == (term in record.steering)
+            if same_kind and words and set(place.split()) - {"fixed", "steered"} <= set(words):
+                joints[term] = (*joints.get(term, ()), NamedJoint(named.joint, named.mark))
+    return Terms(numbers, joints, parameters, complete=False)
 
 
 def layouts(
-    path: Path, arguments: Sequence[str] = (), packages: Sequence[str] = (), base: str | None = None
+    path: Path,
+    arguments: Sequence[str] = (),
+    packages: Sequence[str] = (),
+    base: str | None = None,
+    distro: Distro | None = None,
 ) -> list[Layout]:
-    """What a file describes: one layout of a robot file or header; that of a description and, after it, those of its
-    drive plugins; those of a parameter file. RobotFileError as `wmrgen.load` for a file that is none of these."""
-    result = list(_layouts(path, arguments, packages, base))
+    """Return what a file describes.
+
+    Args:
+        path: A robot file, header, description, or parameters of controllers.
+        arguments: ``NAME:=VALUE`` of xacro and of ``$(arg NAME)``.
+        packages: ``NAME=DIR`` of packages that a description names.
+        base: The link that is the robot's frame.
+        distro: The release of ROS 2 of the controllers; None: names of all releases are read.
+
+    Returns:
+        One layout of a robot file or header; that of a description and, after it, those of its drive plugins; those of
+        a parameter file.
+
+    Raises:
+        RobotFileError: The file is none of these.
+    """
+    result = list(_layouts(path, arguments, packages, base, distro))
     if any(len(layout.wheels) > _MOST for layout in result):
         raise RobotFileError(f"{printable(str(path))}: more than {_MOST} wheels")
     return result
@@ -170,9 +260,14 @@ def _refuse_without_values(text: str, values: Mapping[str, str], name: str, told
 
 
 def _layouts(
-    path: Path, arguments: Sequence[str], packages: Sequence[str], base: str | None
+    path: Path,
+    arguments: Sequence[str],
+    packages: Sequence[str],
+    base: str | None,
+    distro: Distro | None,
 ) -> Iterator[Layout]:
     name = printable(str(path))
+    given: dict[tuple[str, str], ParameterSet] = {}
     try:
         start = read_at_most(path, _LARGEST)
     except (OSError, ValueError):
@@ -182,7 +277,7 @@ def _layouts(
     controllers: Sequence[Controller] = ()
     if text.startswith("<"):
         description = description_of(path, arguments, packages)
-        yield of_import(import_wheels(description, base), description.joints, name)
+        yield of_import(import_wheels(description, base), description, name)
         controllers = description.controllers
     elif _HEADER.search(text):
         yield of_header(text, name)
@@ -190,6 +285,10 @@ def _layouts(
         if text and not re.search(r"^\s*['\"]?wmrgen['\"]?\s*:", text, re.MULTILINE):
             values = pairs(arguments)
             controllers = read_controllers(path, values)
+            tree = read_tree(
+                decode(bytes_of(path, MAX_BYTES + 1), name), name, ErrorCollector(), aliases=True
+            )
+            given = {(each.name, each.type): each for each in parameter_sets(tree, values)}
             _refuse_without_values(text, values, name, bool(controllers))
             if not controllers and ":" in text and not _WHEELS.search(text):
                 raise RobotFileError(
@@ -201,4 +300,5 @@ def _layouts(
                 )
         if not controllers:
             yield of_robot(*wmrgen.read(path), name)
-    yield from (of_controller(c, name) for c in controllers)
+    for c in controllers:
+        yield of_controller(c, name, given.get((c.name, c.type)), distro)

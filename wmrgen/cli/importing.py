@@ -102,7 +102,7 @@ def _contradictions(
     from wmrgen.tools.comparing.sources import of_controller, of_import
 
     sources = {id(c): path.name for path, controllers in parameters.items() for c in controllers}
-    imported = of_import(robot, description, file.name)
+    imported = of_import(robot, description.joints, file.name)
     for controller in description.controllers:
         layout = of_controller(controller, sources.get(id(controller), file.name))
         for difference in compare(imported, layout).differences:

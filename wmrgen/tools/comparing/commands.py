@@ -135,7 +135,8 @@ def evaluated(a: Layout, b: Layout) -> tuple[Evaluation | None, list[Difference]
     notes = [f"{name} is not a parameter of {b.distro}, which ignores it" for name in terms.unread]
     unknown = [w.name for w in driving if w.kind.rollers and "gamma" not in w.values]
     unknown += [w.name for w in driving if w.kind.swivels]
-    if unknown or not driving:
+    has_formula = bool(terms.joints or terms.parameters.keys() & record.lengths.keys())
+    if unknown or not driving or not has_formula:
         return None, [], notes
     foreign = _foreign(b, record, terms)
     if foreign:

@@ -88,7 +88,8 @@ def _with_controller(a: Layout, b: Layout, controller: Controller) -> _Found:
     known = {d.wheel for d in differences if d.code == MISSING and d.wheel}
     differences = [*differences, *(d for d in of_joints if d.wheel not in known), *limits]
     notes += [*more, *of_limits]
-    compared = by_length.compared or evaluation is not None
+    limited = b.evaluable is not None and bool(a.limits.keys() & b.evaluable[1].parameters.keys())
+    compared = by_length.compared or evaluation is not None or limited
     return _Found(differences, by_length.pairs, notes, by_length.silent, compared, result)
 
 

@@ -33,7 +33,7 @@ from wmrgen.tools.controllers.parameters import NamedJoint, ParameterSet, Terms,
 from wmrgen.tools.controllers.record import ControllerType, Distro
 from wmrgen.tools.exporting.drives import limits_of
 from wmrgen.tools.importing.controllers import read_controllers
-from wmrgen.tools.importing.records import Controller, Description, Imported, Wheel
+from wmrgen.tools.importing.records import Controller, Description, Imported, Joint, Wheel
 from wmrgen.tools.importing.source import description_of, pairs
 from wmrgen.tools.importing.view import Robot as View
 from wmrgen.tools.importing.wheels import import_wheels
@@ -106,18 +106,27 @@ def steering_signs(description: Description, base: str) -> dict[str, int]:
     return {joint.name: -1 if seen.axis(joint)[2] < 0 else 1 for joint in upright}
 
 
-def of_import(robot: Imported, description: Description, source: str) -> Layout:
-    """The layout of a URDF or SDF, as far as it says: of couplings nothing where one is in doubt. Its wheels stand
-    where their joints do."""
-    places = {joint.name: joint.mark for joint in description.joints}
+def of_import(
+    robot: Imported, joints: Sequence[Joint], source: str, signs: Mapping[str, int] | None = None
+) -> Layout:
+    """Return the layout of a URDF or SDF, as far as the file has it.
+
+    It has no couplings if one is in doubt. Its wheels are where their joints are.
+
+    Args:
+        robot: What was imported.
+        joints: All joints of the file.
+        source: The file.
+        signs: Steering joint -> -1 if its axis points down.
+    """
+    places = {joint.name: joint.mark for joint in joints}
     turns: dict[tuple[str, str], dict[str, float]] = {}
     for each in robot.couplings:
         (first, _, joint), (second, _, _) = each.first.rpartition("."), each.second.rpartition(".")
         turns.setdefault((first, joint), {first: 1.0})[second] = float(each.ratio)
     doubted = any(q.key == "equal" for q in robot.questions)
     ties = None if doubted else tuple(Tie(joint, shaft) for (_, joint), shaft in turns.items())
-    signs = steering_signs(description, robot.base)
-    sides = tuple(_imported(w, places, signs) for w in robot.wheels)
+    sides = tuple(_imported(w, places, signs or {}) for w in robot.wheels)
     return Layout(source, DESCRIPTION, sides, joints=frozenset(places), ties=ties)
 
 
@@ -277,7 +286,8 @@ def _layouts(
     controllers: Sequence[Controller] = ()
     if text.startswith("<"):
         description = description_of(path, arguments, packages)
-        yield of_import(import_wheels(description, base), description, name)
+        robot = import_wheels(description, base)
+        yield of_import(robot, description.joints, name, steering_signs(description, robot.base))
         controllers = description.controllers
     elif _HEADER.search(text):
         yield of_header(text, name)

@@ -24,7 +24,6 @@ COMMAND, LIMIT = "WMR052", "WMR053"
 _CURVE = (
     4.0  # radius of the test curves in sizes of the robot: wider than the least turn of gz AckermannSteering
 )
-_LEAST = 1e-12  # rad/s: below this scale a motion needs no wheel
 
 
 class Motion(NamedTuple):
@@ -111,7 +110,7 @@ class Evaluation:
                 if abs(error) > SAME:
                     yield Unequal(joint, motion.words, value, wanted * joint.sign, abs(error) / SAME)
         for joint, value in given:
-            if joint.kind == "spin" and fastest > _LEAST:
+            if joint.kind == "spin" and fastest > 0:
                 wanted = needed[id(joint.wheel)].spin * (-1 if id(joint.wheel) in reversed_ else 1)
                 error = abs(value * joint.sign - wanted) / fastest
                 if error > SAME:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import zip_longest
 
 from wmrgen.errors import Mark
-from wmrgen.robotfile.numbers import NUMBER
+from wmrgen.robotfile.numbers import MAX_DIGITS, NUMBER
 from wmrgen.robotfile.text import MappingNode, Node, Scalar, SequenceNode
 from wmrgen.tools.controllers.record import ControllerType, Distro
 
@@ -17,7 +17,6 @@ _MANAGER = "controller_manager"  # the node of ROS 2 that has the types of all c
 _ANY_NODE = ("**", "*", "<<", "")  # keys for any node, and YAML's merge key
 _SUBSTITUTION = re.compile(r"\$\(arg ([^()\s]+)\)|\$[({][^(){}]*[)}]")
 _SMALLEST, _LARGEST = 1e-9, 1e9  # m, rad or factors; beyond them nothing is a length or speed of a robot
-_LONGEST_NUMBER = 40  # characters; the longest printed double has 24
 
 Keys = tuple[str, ...]  # from the top of a file to a value
 
@@ -38,7 +37,7 @@ class Written:
     def number(self) -> float | None:
         """Return the number; None if the text is none, an argument without a value, or out of range."""
         text = self.texts[0] if len(self.texts) == 1 else ""
-        if len(text) > _LONGEST_NUMBER or not re.fullmatch(f"[+-]?{NUMBER}", text):
+        if len(text) > MAX_DIGITS or not re.fullmatch(f"[+-]?{NUMBER}", text):
             return None
         value = float(text)
         return value if value == 0 or _SMALLEST < abs(value) < _LARGEST else None

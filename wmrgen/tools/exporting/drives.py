@@ -6,19 +6,20 @@ wheel speeds of its own inverse kinematics. Castors and balls that nothing drive
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import asin, atan2, cos, degrees, pi, sin, tan
+from typing import TypeVar
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.layout.skid import driven
 from wmrgen.robotfile.text import quoted
+from wmrgen.tools.controllers.mecanum import CORNERS
 from wmrgen.tools.exporting.bodies import joint_of
 
 TOLERANCE = 1e-6  # of the largest of what must be equal
-CORNERS = {"front_left": -1, "front_right": 1, "rear_left": 1, "rear_right": -1}  # tan of gamma at the ground
 SIDES = ("right", "left")
 KINDS = {  # fixed wheels, steered wheels, whether these drive
     (1, 1, False): "bicycle", (2, 1, False): "tricycle", (2, 2, False): "ackermann",
@@ -60,13 +61,22 @@ def refusing(what: str) -> Iterator[None]:
         raise NotDerivableError(f"{what}: {error.what}.") from None
 
 
-def drive_of(robot: Robot, kinds: Collection[str]) -> Drive:
-    """What drives a robot: differential, mecanum, omni, swerve, or one of `KINDS`. NotDerivableError where it is none
-    of these or not among the ``kinds``, and why."""
+Record = TypeVar("Record")
+
+
+def drive_with(robot: Robot, record_of: Callable[[str], Record | None]) -> tuple[Drive, Record]:
+    """Return the drive of a robot and the record that other software has for its kind.
+
+    Kinds are differential, mecanum, omni, swerve, and those of `KINDS`.
+
+    Raises:
+        NotDerivableError: The robot is none of these, or there is no record, with the reason.
+    """
     drive = _drive_of(driven(robot))
-    if drive.kind not in kinds:
+    record = record_of(drive.kind)
+    if record is None:
         raise NotDerivableError(f"there is none for {drive.kind} drives")
-    return drive
+    return drive, record
 
 
 def _drive_of(robot: Robot) -> Drive:

@@ -12,7 +12,7 @@ from textwrap import wrap
 from wmrgen.codegen.c.text import comment_text
 from wmrgen.codegen.render import render
 from wmrgen.geometry.layout.records import Robot
-from wmrgen.tools.exporting.drives import drive_of, refusing
+from wmrgen.tools.exporting.drives import drive_with, refusing
 from wmrgen.tools.exporting.text import banner, decimal
 
 _CLASSES = {"differential": "DifferentialDrive", "mecanum": "MecanumDrive", "swerve": "SwerveDrive"}
@@ -25,14 +25,14 @@ _YEARS = (
 def wpilib(robot: Robot) -> dict[str, str]:
     """A Java class and a C++ header. NotDerivableError where WPILib has no kinematics of the robot, and why."""
     with refusing(f"{robot.name}: no kinematics of WPILib fits"):
-        drive = drive_of(robot, _CLASSES)
+        drive, name = drive_with(robot, _CLASSES.get)
     swerve = drive.kind == "swerve"
     names = _constants([w.name for w in drive.wheels])
     tracks = [decimal(v) for v in drive.named({"": "separation"}, {}).values() if isinstance(v, float)]
     title = "".join(part[:1].upper() + part[1:] for part in robot.name.split("_")) + "Constants"
     context = {
         "about": [line for text in (*banner(robot), _YEARS, *drive.notes) for line in wrap(comment_text(text), 96)],
-        "robot": robot.name, "title": title, "kinematics": f"{_CLASSES[drive.kind]}Kinematics",
+        "robot": robot.name, "title": title, "kinematics": f"{name}Kinematics",
         "wheels": [(names[w.name], *map(decimal, (w.nominal.x, w.nominal.y, w.nominal.r))) for w in drive.wheels],
         "inverted": [] if swerve else [(n, str(w in drive.backward).lower()) for w, n in names.items()],
         "zeros": [(names[w.name], decimal(w.heading)) for w in drive.wheels] if swerve else [],

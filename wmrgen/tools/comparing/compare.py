@@ -1,10 +1,11 @@
-"""Two descriptions of one robot: what differs, and what that does."""
+"""Compare two descriptions of one robot: their differences, and the effect of these on its motion."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 from wmrgen.errors import Mark
@@ -30,7 +31,7 @@ def compare(a: Layout, b: Layout) -> Comparison:
     if b.controller and a.effective_track:
         a = replace(a, wheels=as_driven(a.wheels, a.effective_track[0]))
     found = _with_controller(a, b, b.controller) if b.controller else _with_layout(a, b)
-    reported = [d for d in found.differences if not any(d.code in ignored(mark) for mark in d.marks)]
+    reported = [d for d in found.differences if not _is_ignored(d)]
     notes = list(found.notes)
     if len(reported) < len(found.differences):
         notes.append(f"{len(found.differences) - len(reported)} differences are to be ignored")
@@ -48,8 +49,13 @@ def compare(a: Layout, b: Layout) -> Comparison:
     return Comparison(a, b, tuple(reported), moved, tuple(notes), _unsaid(a, b, found.silent), compared)
 
 
+def _is_ignored(d: Difference) -> bool:
+    """Return whether a comment beside one of its places says to ignore a difference."""
+    return any(d.code in ignored(mark) for mark in d.marks)
+
+
 class _Found(NamedTuple):
-    """What two files have otherwise, before comments are considered."""
+    """The differences of two files, before comments are considered."""
 
     differences: list[Difference]
     pairs: Pairs
@@ -82,9 +88,8 @@ def _with_controller(a: Layout, b: Layout, controller: Controller) -> _Found:
         elif not any(d.code == KIND for d in differences):
             sides = [d for d in differences if d.code in (PLACE, SIGN)]
             differences = [*differences, *unexplained(evaluation, sides)]
-        wheels, applied = evaluation.wheels, evaluation.applied
-        if len(evaluation.joints) > 0:
-            result = lambda: effects_of(wheels, a.ties or (), applied, wheels)  # noqa: E731
+        wheels, ties = evaluation.wheels, a.ties or ()
+        result = partial(effects_of, wheels, ties, evaluation.applied, wheels)
     known = {d.wheel for d in differences if d.code == MISSING and d.wheel}
     differences = [*differences, *(d for d in of_joints if d.wheel not in known), *limits]
     notes += [*more, *of_limits]
@@ -94,29 +99,31 @@ def _with_controller(a: Layout, b: Layout, controller: Controller) -> _Found:
 
 
 def _unsaid(a: Layout, b: Layout, silent: Silent) -> tuple[str, ...]:
-    """What one file alone says, in words."""
+    """Return sentences about values that only one file has."""
     several = zip((a, b), silent, strict=True)
     return tuple(
-        f"{', '.join(words)}, which {owner.source} does not say" for owner, words in several if words
+        f"{', '.join(words)}, which {owner.source} does not have" for owner, words in several if words
     )
 
 
 def _turning(a: Layout, b: Layout, pairs: Pairs) -> Pairs:
-    """The pairs where they stand of the differential drives as which robots turn that skid; what one file does not say
-    is taken from the other."""
+    """Return the pairs at the positions of the equivalent differential drives of robots that skid.
+
+    An effective track that one file lacks is taken from the other.
+    """
     first, second = a.effective_track or b.effective_track, b.effective_track or a.effective_track
     if not (first and second and pairs):
         return pairs
-    own, told = zip(*pairs, strict=True)
-    return list(zip(as_driven(own, first[0]), as_driven(told, second[0]), strict=True))
+    mine, others = zip(*pairs, strict=True)
+    return list(zip(as_driven(mine, first[0]), as_driven(others, second[0]), strict=True))
 
 
 class _Unknown(Exception):
-    """What kinematics need and neither file says."""
+    """A value that the kinematics need and neither file has."""
 
 
 def _filled(pairs: Pairs) -> Pairs:
-    """Pairs that move the robot, what one file does not say taken from the other; a radius that neither says is 1."""
+    """Return the pairs that move the robot, with missing values from the other file; a radius that both lack is 1."""
     result = []
     for v, w in pairs:
         mine = replace(v, values={"r": 1.0, **w.values, **v.values})
@@ -124,9 +131,9 @@ def _filled(pairs: Pairs) -> Pairs:
         for side in (mine, its):
             kind = side.kind
             if kind.rollers and "gamma" not in side.values:
-                raise _Unknown(f"no file says how the rollers of {v.name} stand")
+                raise _Unknown(f"no file has the angle of the rollers of {v.name}")
             if kind.swivels and not side.of("d"):
-                raise _Unknown(f"no file says how far {v.name} trails")
+                raise _Unknown(f"no file has the castor offset of {v.name}")
         result.append((mine, its))
     if not result:
         raise _Unknown("no wheel is known to be driven")
@@ -134,7 +141,7 @@ def _filled(pairs: Pairs) -> Pairs:
 
 
 def findings(c: Comparison) -> list[Finding]:
-    """The differences as findings, each where the second file says it; with the first, what they do together."""
+    """Return the differences as findings at their places in the second file; the first has the effect of them all."""
     does = "; ".join(effect.words for effect in c.effects if effect.words)
     instead = f"The first number is that of {c.a.source}."
     instead += (
@@ -143,18 +150,22 @@ def findings(c: Comparison) -> list[Finding]:
         else ""
     )
     nowhere = Mark(c.b.file, 1, 1, "")
-    told = [Finding((*d.marks, nowhere)[0], d.words, "", d.code) for d in c.differences]
-    return [*(replace(first, instead=instead) for first in told[:1]), *told[1:]]
+    found = [Finding((*d.marks, nowhere)[0], d.words, "", d.code) for d in c.differences]
+    return [*(replace(first, instead=instead) for first in found[:1]), *found[1:]]
 
 
 def labelled(layout: Layout) -> Iterator[Finding]:
-    """Wheels of a description whose names contradict their places: WMR011, as of robot files. Of twin wheels the sides
-    are those of their module."""
+    """Yield the wheels of a description whose names contradict their positions: WMR011, as for robot files.
+
+    Twin wheels are skipped, because their names have the sides of their module.
+    """
     wheels = parts(layout.wheels)
     for w, where in zip(wheels, roles(wheels), strict=True):
         alone = all(v is w or abs(v.pivot - w.pivot) > 1e-3 for v in wheels)
         for word in role(*w.names).split() if alone else ():
             if _OPPOSITE.get(word) in where.split():
-                what = f"{w.names[-1]} stands at {shown([w.pivot])}, {where} of the middle of the wheels: not {word}"
+                what = (
+                    f"{w.names[-1]} is at {shown([w.pivot])}, {where} of the middle of the wheels: not {word}"
+                )
                 mark = w.marks.get("", Mark(layout.file, 1, 1, ""))
                 yield from () if "WMR011" in ignored(mark) else (Finding(mark, what, "", "WMR011"),)

@@ -106,13 +106,17 @@ def _by_name(a: Layout, name: str, kind: str) -> tuple[Side, str] | None:
         found = [pair for pair in found if pair[1] == kind] or found
         if len(found) == 1:
             return found[0]
-    alike = [w for w in a.wheels if bare(name) and bare(name) in {bare(own) for own in w.names}]
+    alike = [w for w in a.wheels if bare(name) and _has_bare_name(w, bare(name))]
     if len(alike) == 1 and (not alike[0].joints or a.joints is None):
         return alike[0], kind
     if a.joints is None and (where := role(name)):
         alike = [w for w, word in zip(a.wheels, roles(a.wheels), strict=True) if word == where]
         return (alike[0], kind) if len(alike) == 1 else None
     return None
+
+
+def _has_bare_name(w: Side, wanted: str) -> bool:
+    return any(bare(own) == wanted for own in w.names)
 
 
 def _at(a: Layout, place: str, kind: str) -> Iterator[Side]:

@@ -1,4 +1,4 @@
-"""Files of any form to layouts: robot files, URDF, xacro and SDF, parameters of controllers, generated headers."""
+"""Read files of any form as layouts: robot files, URDF, xacro and SDF, parameters of controllers, generated headers."""
 
 from __future__ import annotations
 
@@ -51,7 +51,13 @@ _LARGEST, _MOST = 8 * 1024 * 1024, 64  # bytes; wheels
 
 
 def of_robot(spec: RobotSpec, robot: Robot, source: str) -> Layout:
-    """The layout of a robot file."""
+    """Return the layout of a robot file.
+
+    Args:
+        spec: The robot as written.
+        robot: The robot.
+        source: The file.
+    """
     sides = []
     for written, w in zip(spec.wheels, robot.wheels, strict=True):
         g = w.nominal
@@ -143,7 +149,7 @@ def _imported(wheel: Wheel, places: Mapping[str, Mark | None], signs: Mapping[st
 
 
 def of_header(text: str, source: str) -> Layout:
-    """The layout of a header that `derive` wrote: lengths are its macros', the rest is said in its first comment."""
+    """Return the layout of a header that `derive` wrote, from its macros and its first comment."""
     prefix = _HEADER.search(text)
     lines = Source.of(text, source)
     macros = {m[1] + m[2]: m for m in _MACRO.finditer(text)}
@@ -151,10 +157,10 @@ def of_header(text: str, source: str) -> Layout:
     for match in islice(_WHEEL.finditer(text[: prefix.start() if prefix else 0]), _MOST + 1):
         name, kind, rest = match[1], match[2], match[3].replace("\n *  ", "")
         mark = lines.mark_at(text, match.start(1))
-        told = {
+        written = {
             k: math.radians(float(v)) if unit == "deg" else float(v) for k, v, unit in _VALUE.findall(rest)
         }
-        values = {"d": 0.0, "offset_y": 0.0, **told}
+        values = {"d": 0.0, "offset_y": 0.0, **written}
         marks = {"": mark}
         for word, key in _KEYS.items():
             macro = macros.get(f"{prefix[1] if prefix else ''}_{name.upper()}{word}")
@@ -173,7 +179,7 @@ def of_header(text: str, source: str) -> Layout:
 
 
 def _refuse_what_nothing_has(values: Mapping[str, float], marks: Mapping[str, Mark]) -> None:
-    """RobotFileError for numbers that `derive` cannot have written."""
+    """Raise RobotFileError for numbers that `derive` cannot have written."""
     for key, value in values.items():
         if not abs(value) < 1e9 or (key == "r" and value < 1e-9):
             mark = marks.get(key, marks[""])
@@ -256,15 +262,15 @@ def layouts(
     return result
 
 
-def _refuse_without_values(text: str, values: Mapping[str, str], name: str, told: bool) -> None:
-    """RobotFileError for parameters of which nothing is ``told`` but ``$(arg …)`` that nobody gave."""
+def _refuse_without_values(text: str, values: Mapping[str, str], name: str, has_values: bool) -> None:
+    """Raise RobotFileError for parameters without values, if the file has ``$(arg …)`` that were not given."""
     open_ = [word for word in dict.fromkeys(_ARGUMENT.findall(text)) if word not in values]
-    if open_ and not told:
+    if open_ and not has_values:
         raise RobotFileError(
             f"{name}: no length of a wheel controller has a value",
             None,
-            "$(arg …) stands for what a launch file gives.",
-            f"Give them behind the files: {printable(' '.join(f'{word}:=VALUE' for word in open_))[:300]}.",
+            "A launch file gives the values of $(arg …).",
+            f"Write them after the files: {printable(' '.join(f'{word}:=VALUE' for word in open_))[:300]}.",
         )
 
 
@@ -280,7 +286,7 @@ def _layouts(
     try:
         start = read_at_most(path, _LARGEST)
     except (OSError, ValueError):
-        start = b""  # of which `read` says why
+        start = b""  # `read` reports the reason
     whole = start.decode("utf-8", "replace")
     text = whole.lstrip("\ufeff \t\r\n")
     controllers: Sequence[Controller] = ()
@@ -306,7 +312,7 @@ def _layouts(
                     None,
                     "It has no wheels:, as robot files have, and no length or type of a controller, as"
                     " wheel_separation.",
-                    "Give the file that says them.",
+                    "Give the file that has them.",
                 )
         if not controllers:
             yield of_robot(*wmrgen.read(path), name)

@@ -74,6 +74,7 @@ def ackermann(traction: str, steering: str, *more: str) -> str:
     )
 
 
+NAMES = ("rear_wheels_names", "front_wheels_names")
 LENGTHS = (
     "wheelbase: 1.5",
     "front_wheel_track: 0.92",
@@ -210,8 +211,11 @@ def test_releases_differ_in_names_and_formula(tmp_path: Path) -> None:
     humble = compared(tmp_path, robot, parameters, "humble").differences
     assert {(d.code, d.wheel) for d in humble} == {("WMR052", "front_left"), ("WMR052", "front_right")}
     for distro in ("kilted", "rolling"):
-        notes = compared(tmp_path, robot, parameters, distro).notes
-        assert any("front_wheels_names" in note for note in notes)
+        differences = compared(tmp_path, robot, parameters, distro).differences
+        assert {d.code for d in differences} == {"WMR054"}
+        assert {d.b for d in differences} == {line.split(":")[0] for line in (*NAMES, *LENGTHS)} - {
+            "wheelbase"
+        }
 
 
 CAR = """<robot name="car"><link name="base_link"/>

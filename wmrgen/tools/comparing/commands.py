@@ -20,7 +20,7 @@ from wmrgen.tools.comparing.record import SAME, Difference, Layout, Side
 from wmrgen.tools.controllers.parameters import Terms
 from wmrgen.tools.controllers.record import ControllerType, Numbers, Twist
 
-COMMAND, LIMIT = "WMR052", "WMR053"
+COMMAND, LIMIT, RELEASE = "WMR052", "WMR053", "WMR054"
 _CURVE = (
     4.0  # radius of the test curves in sizes of the robot: wider than the least turn of gz AckermannSteering
 )
@@ -131,16 +131,17 @@ def evaluated(a: Layout, b: Layout) -> tuple[Evaluation | None, list[Difference]
         return None, [], []
     record, terms = b.evaluable
     driving = parts(a.wheels)
-    notes = [f"{name} is not a parameter of {b.distro}, which ignores it" for name in terms.unread]
+    other_release = list(_of_another_release(b, terms))
+    notes: list[str] = []
     unknown = [w.name for w in driving if w.kind.rollers and "gamma" not in w.values]
     unknown += [w.name for w in driving if w.kind.swivels]
     has_formula = bool(terms.joints or terms.parameters.keys() & record.lengths.keys())
     if unknown or not driving or not has_formula:
-        return None, [], notes
+        return None, other_release, notes
     foreign = _foreign(b, record, terms)
     if foreign:
         notes.append(f"{record.name} has no parameter {foreign}: its joint commands are not computed")
-        return None, [], notes
+        return None, other_release, notes
     own = own_lengths(driving)
     numbers = dict(terms.numbers)
     if record.kind == "omni":
@@ -151,6 +152,7 @@ def evaluated(a: Layout, b: Layout) -> tuple[Evaluation | None, list[Difference]
     radius = numbers.get("radius", numbers.get("left_radius", 1.0))
     wheels = tuple(replace(w, values={"r": abs(radius), **w.values}) for w in driving)
     joints, differences = commanded_joints(replace(a, wheels=wheels), record, terms)
+    differences = [*other_release, *differences]
     motions = tuple(_motions(wheels, record))
     result = Evaluation(wheels, record, numbers, tuple(joints), motions, b, base_frame(wheels, record))
     try:
@@ -159,6 +161,13 @@ def evaluated(a: Layout, b: Layout) -> tuple[Evaluation | None, list[Difference]
         notes.append(f"the joint commands are not computed: the file has no value of {error}")
         return None, differences, notes
     return (result if joints else None), differences, notes
+
+
+def _of_another_release(b: Layout, terms: Terms) -> Iterator[Difference]:
+    """Yield the parameters that the release of a controller ignores, because another release has them."""
+    for name, mark in terms.unread:
+        words = f"{name} is a parameter of another release, which {b.distro} ignores"
+        yield Difference(RELEASE, "parameter", "", None, name, words, (mark,) if mark else ())
 
 
 def _foreign(b: Layout, record: ControllerType, terms: Terms) -> str:

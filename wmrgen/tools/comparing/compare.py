@@ -91,7 +91,7 @@ def _with_controller(a: Layout, b: Layout, controller: Controller) -> _Found:
         wheels, ties = evaluation.wheels, a.ties or ()
         result = partial(effects_of, wheels, ties, evaluation.applied, wheels)
     known = {d.wheel for d in differences if d.code == MISSING and d.wheel}
-    differences = [*differences, *(d for d in of_joints if d.wheel not in known), *limits]
+    differences = [*differences, *(d for d in of_joints if not d.wheel or d.wheel not in known), *limits]
     notes += [*more, *of_limits]
     limited = b.evaluable is not None and bool(a.limits.keys() & b.evaluable[1].parameters.keys())
     compared = by_length.compared or evaluation is not None or limited

@@ -189,3 +189,13 @@ _between(
     f"{DIFF}  wheel_separation: 0.4\n  wheel_radius: 0.1\n  linear: {{x: {{max_velocity: 5.0}}}}",
     f"{DIFF}  wheel_separation: 0.4\n  wheel_radius: 0.1\n  linear: {{x: {{max_velocity: 1.0}}}}",
 )
+_between(
+    "WMR054",
+    "a parameter of another release of ROS 2",
+    """The release that `--distro` names, here rolling, does not read the parameter. Kilted and later releases have
+    traction_joints_names and steering_joints_names, Humble has front_wheels_names and rear_wheels_names. A controller
+    without a required parameter does not start.""",
+    CAR_WITH_TWO,
+    f"{ACKERMANN}  front_wheels_names: [front_right_steer, front_left_steer]",
+    f"{ACKERMANN}  steering_joints_names: [front_right_steer, front_left_steer]",
+)

@@ -47,10 +47,12 @@ def own_lengths(numbers: Numbers, keys: Mapping[str, str], own: Lengths) -> dict
 
 def older(texts: Mapping[str, str]) -> dict[str, str]:
     """Return the names of ROS 1, whose one multiplier of both radii counts before those of the sides."""
-    names = {"left_wheel": "left", "right_wheel": "right"}
-    if "wheel_radius_multiplier" in texts:
-        names["wheel_radius_multiplier"] = "left_share right_share"
-    return names
+    del texts
+    return {
+        "left_wheel": "left",
+        "right_wheel": "right",
+        "wheel_radius_multiplier": "left_share right_share",
+    }
 
 
 TYPES = (
@@ -75,6 +77,5 @@ TYPES = (
         {"separation_factor": 1.0, "left_share": 1.0, "right_share": 1.0},
         own_lengths,
         older,
-        ignored=frozenset({"wheel_radius_multiplier"}),
     ),
 )

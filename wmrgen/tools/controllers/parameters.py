@@ -67,7 +67,7 @@ class Terms:
     numbers: Mapping[str, float]
     joints: Mapping[str, tuple[NamedJoint, ...]]
     parameters: Mapping[str, tuple[str, Mark | None]] = field(default_factory=dict)  # term -> its parameter
-    unread: tuple[str, ...] = ()  # parameters of other releases
+    unread: tuple[tuple[str, Mark | None], ...] = ()  # parameters of other releases, which this one ignores
     complete: bool = True  # every parameter of the file was read
 
 
@@ -146,8 +146,8 @@ def terms_of(record: ControllerType, given: ParameterSet, distro: Distro | None 
                 joints.setdefault(term, tuple(NamedJoint(text, mark) for text, mark in named))
             elif term not in parameters and _is_given(record, term, written.number):
                 numbers[term], parameters[term] = written.number or 0.0, (name, written.mark)
-    every = {**record.older(texts), **record.names}
-    unread = tuple(name for name in given.values if name in every and name not in names)
+    of_others = record.known_names() - record.known_names(distro)
+    unread = tuple((name, written.mark) for name, written in given.values.items() if name in of_others)
     return Terms(numbers, joints, parameters, unread)
 
 

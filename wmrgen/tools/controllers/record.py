@@ -64,7 +64,6 @@ class ControllerType:
     reads_older: frozenset[Distro] = frozenset()  # releases that read older names
     reads_only_older: frozenset[Distro] = frozenset()  # releases that read no other names
     older_commands: Mapping[Distro, Callable[[Numbers, Twist], Commands]] = field(default_factory=dict)
-    ignored: frozenset[str] = frozenset()  # older parameters that the file's other parameters replace
     steering: frozenset[str] = frozenset()  # terms whose joints take angles
     strafes: bool = False  # vy is used
     turns_on_spot: bool = True  # omega without vx is used
@@ -84,13 +83,12 @@ class ControllerType:
                         result[key] = known[key]
         return result
 
-    def known_names(self) -> frozenset[str]:
-        """Return the parameters of all releases, those included that a release reads and does not use."""
-        either = [
-            self.older({**dict.fromkeys(self.ignored, ""), "front_steering": word})
-            for word in ("true", "false")
-        ]
-        return frozenset({*self.names, *self.ignored, *either[0], *either[1]})
+    def known_names(self, distro: Distro | None = None) -> frozenset[str]:
+        """Return the parameters that a release knows, including those that it does not need; None: all releases."""
+        result: set[str] = set()
+        for word in ("true", "false"):
+            result |= self.names_of({"front_steering": word}, distro).keys()
+        return frozenset(result)
 
     def names_of(self, texts: Mapping[str, str], distro: Distro | None) -> dict[str, str]:
         """Return parameter -> terms, with spaces between them.

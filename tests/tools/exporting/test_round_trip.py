@@ -182,6 +182,39 @@ def test_compare_finds_no_difference(kind: str, tmp_path: Path, wmrgen_cli: Call
         assert (done.code, done.out.strip().endswith("equal")) == (0, True), (name, done.out)
 
 
+def changes(line: str) -> str:
+    """A line of a controller's parameters, its number increased or its list reversed; "" if it has neither."""
+    start, _, value = line.partition(": ")
+    if value.startswith("[") and start.strip() not in ("left_wheel_names", "right_wheel_names"):
+        return f"{start}: [{', '.join(reversed(value.strip('[]').split(', ')))}]"
+    try:
+        number = float(value)
+    except ValueError:
+        return ""
+    return "" if start.strip() == "update_rate" else f"{start}: {number * 1.01 if number else 0.2}"
+
+
+@pytest.mark.parametrize("path", GALLERY, ids=lambda p: p.stem)
+def test_every_change_of_a_parameter_is_found(path: Path, tmp_path: Path) -> None:
+    """Numbers changed by 1 %; lists of joints reversed, but those of one side, whose order has no effect."""
+    robot = wmrgen.load(path)
+    (own,) = layouts(path)
+    try:
+        lines = ros2_control(robot)[f"{robot.name}_controllers.yaml"].split("\n")
+    except NotDerivableError:
+        return
+    missed = []
+    for i, line in enumerate(lines):
+        changed = changes(line)
+        if changed and changed != line:
+            (tmp_path / "p.yaml").write_text(
+                "\n".join([*lines[:i], changed, *lines[i + 1 :]]), encoding="utf-8"
+            )
+            (controller,) = layouts(tmp_path / "p.yaml")
+            missed += [changed] if not compare(own, controller).differences else []
+    assert missed == []
+
+
 def exported(robot: Robot) -> dict[str, str]:
     """Every file that `export` writes of a robot, of which `compare` reads joints or wheels; none of a driven ball."""
     files = {}

@@ -21,9 +21,9 @@ from wmrgen.tools.controllers.parameters import Terms
 from wmrgen.tools.controllers.record import ControllerType, Numbers, Twist
 
 COMMAND, LIMIT, RELEASE = "WMR052", "WMR053", "WMR054"
-_CURVE = (
-    4.0  # radius of the test curves in sizes of the robot: wider than the least turn of gz AckermannSteering
-)
+# The radius of the test curves in sizes of the robot, wider than the least turn of gz AckermannSteering; and rad or
+# rad/s that rounding errors of two formulas do not reach.
+_CURVE, _NOISE = 4.0, 1e-9
 
 
 class Motion(NamedTuple):
@@ -93,6 +93,17 @@ class Evaluation:
                 if known is None or found.excess > known.excess:
                     worst[found.joint.key] = found
         return list(worst.values())
+
+    def lengths_matter(self) -> bool:
+        """Return whether any command changes if the controller has the robot's own lengths."""
+        own = corrected(self)
+        for motion in self.motions:
+            pairs = zip(
+                self.commands(self.numbers, motion.twist), self.commands(own, motion.twist), strict=True
+            )
+            if any(not math.isclose(p, q, abs_tol=_NOISE) for (_, p), (_, q) in pairs):
+                return True
+        return False
 
     def _unequal_in(self, motion: Motion, numbers: Numbers) -> Iterator[Unequal]:
         """Yield the joints with wrong commands in one motion; half a turn of steering reverses the spin."""
@@ -189,8 +200,7 @@ def unexplained(e: Evaluation, known: Sequence[Difference]) -> Iterator[Differen
         known: Differences that explain a wheel on their own, such as a wheel on the other side.
     """
     wheels = {d.wheel for d in known}
-    corrected = e.record.own_lengths(e.numbers, e.record.lengths, own_lengths(e.wheels))
-    for found in e.unequal(corrected):
+    for found in e.unequal(corrected(e)):
         if found.joint.wheel.name not in wheels:
             unit = "rad" if found.joint.kind == "steer" else "rad/s"
             words = (
@@ -203,6 +213,11 @@ def unexplained(e: Evaluation, known: Sequence[Difference]) -> Iterator[Differen
             )
 
 
+def corrected(e: Evaluation) -> Numbers:
+    """Return the terms of a controller with the robot's own lengths."""
+    return e.record.own_lengths(e.numbers, e.record.lengths, own_lengths(e.wheels))
+
+
 def limit_differences(a: Layout, b: Layout) -> tuple[list[Difference], list[str]]:
     """Return the limits of the twist that a controller has beyond the robot's, and notes on the limits it lacks."""
     differences: list[Difference] = []
@@ -212,7 +227,7 @@ def limit_differences(a: Layout, b: Layout) -> tuple[list[Difference], list[str]
     every = {term for terms_ in record.names.values() for term in terms_.split()}
     missing = []
     for key, own in a.limits.items():
-        unit = "m/s" if key.startswith("v") else "rad/s"
+        unit = "m/s" if key.startswith("v") else "rad" if key.startswith("steer") else "rad/s"
         if "rate" in key:
             unit += "^2"
         if key in terms.parameters:

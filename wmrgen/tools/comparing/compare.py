@@ -11,7 +11,7 @@ from typing import NamedTuple
 from wmrgen.errors import Mark
 from wmrgen.robotfile.names import role
 from wmrgen.tools.comparing.commands import evaluated, limit_differences, unexplained
-from wmrgen.tools.comparing.differences import KIND, MISSING, ORDER, PLACE, SIGN, shown, with_layout
+from wmrgen.tools.comparing.differences import CODES, KIND, MISSING, ORDER, PLACE, SIGN, shown, with_layout
 from wmrgen.tools.comparing.motion import Pairs, effects, effects_of
 from wmrgen.tools.comparing.parameters import standing, with_controller
 from wmrgen.tools.comparing.quantities import as_driven, parts, roles
@@ -74,8 +74,7 @@ def _with_layout(a: Layout, b: Layout) -> _Found:
 def _with_controller(a: Layout, b: Layout, controller: Controller) -> _Found:
     """Return the differences of a robot and a controller.
 
-    The joint commands decide, if the controller has a record: lengths that differ explain wrong commands, and are no
-    difference of right ones.
+    The joint commands decide, if the controller has a record. Lengths that change no command are no difference.
     """
     by_length = with_controller(a, controller)
     notes = [*by_length.notes, *controller.notes]
@@ -84,7 +83,8 @@ def _with_controller(a: Layout, b: Layout, controller: Controller) -> _Found:
     differences, result = by_length.differences, None
     if evaluation:
         if not evaluation.unequal(evaluation.numbers):
-            differences = [d for d in differences if d.code in (KIND, MISSING)]
+            codes = {KIND, MISSING, *(CODES.values() if evaluation.lengths_matter() else ())}
+            differences = [d for d in differences if d.code in codes]
         elif not any(d.code == KIND for d in differences):
             sides = [d for d in differences if d.code in (PLACE, SIGN)]
             differences = [*differences, *unexplained(evaluation, sides)]

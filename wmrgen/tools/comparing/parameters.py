@@ -148,7 +148,7 @@ def _needed(c: Controller, sizes: Mapping[str, float]) -> list[str]:
 
 
 def worth(c: Controller, key: str, multiplied: bool) -> float:
-    """Return a length of a controller [m].
+    """Return a length of a controller [m]. The sign of a multiplier is a direction of rolling and does not count.
 
     Args:
         c: The controller.
@@ -156,7 +156,7 @@ def worth(c: Controller, key: str, multiplied: bool) -> float:
         multiplied: Whether its multiplier counts.
     """
     factor = c.multipliers.get(key) if multiplied else None
-    return float(c.lengths[key].value * (factor.value if factor else 1))
+    return float(c.lengths[key].value) * (abs(float(factor.value)) if factor else 1.0)
 
 
 def _as_meant(c: Controller, kinds: Iterable[WheelType], wheelbase: float) -> Controller:

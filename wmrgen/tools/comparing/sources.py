@@ -90,8 +90,13 @@ def of_robot(spec: RobotSpec, robot: Robot, source: str) -> Layout:
 
 
 def _twist_limits(robot: Robot) -> dict[str, float]:
-    """Return the limits of the twist and of its rates by the terms of controllers, such as "vx.high"."""
-    return {name: value for name, value in limits_of(robot).items() if isinstance(value, float)}
+    """Return the limits of the twist, its rates and the steering by the terms of controllers, such as "vx.high"."""
+    result = {name: value for name, value in limits_of(robot).items() if isinstance(value, float)}
+    steering = [limit for w in robot.wheels if w.kind.steers and (limit := robot.limit(w, "steer"))]
+    if steering:
+        result["steer.low"] = max(float(limit.low) for limit in steering)
+        result["steer.high"] = min(float(limit.high) for limit in steering)
+    return result
 
 
 def _ties(spec: RobotSpec, robot: Robot) -> tuple[Tie, ...]:

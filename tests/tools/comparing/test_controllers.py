@@ -177,6 +177,9 @@ WRONG = {  # robot, controller -> joints or wheels with the codes of what is wro
         DD, diff() + "    linear: {x: {max_velocity: 5.0, min_velocity: -1.0}}\n"
         "    angular: {z: {max_velocity: 10.0, min_velocity: -2.0}}\n", {("WMR053", "")},
     ),
+    "three joints for two": (
+        FRONT, ackermann(f"{TRACTION}, front_left_spin", STEERING), {("WMR048", "")},
+    ),
     "a steering joint for a traction joint": (
         FRONT, ackermann("rear_right_spin, front_left_steer", STEERING),
         {("WMR048", "front_left"), ("WMR048", "rear_left")},
@@ -254,6 +257,30 @@ def test_steering_axes_that_point_down(z: int, wrong: set[str], tmp_path: Path) 
     assert joints == wrong
     for d in result.differences:
         assert isinstance(d.a, float) and d.b == pytest.approx(-d.a)
+
+
+PLUGIN = """<gazebo><plugin filename="gz-sim-diff-drive-system" name="gz::sim::systems::DiffDrive">
+<left_joint>{left}</left_joint><right_joint>{right}</right_joint>
+<wheel_separation>0.78</wheel_separation><wheel_radius>0.18</wheel_radius></plugin></gazebo></robot>"""
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_a_plugin_with_exchanged_joints(swapped: bool, tmp_path: Path) -> None:
+    names = [f"rear_{side}_spin" for side in ("left", "right")]
+    left, right = reversed(names) if swapped else names
+    links = [
+        LINK.format(n=n, p="base_link", at=f"0 {y} 0.18") for n, y in zip(names, (0.39, -0.39), strict=True)
+    ]
+    controls = [f'<joint name="{n}"><command_interface name="velocity"/></joint>' for n in names]
+    text = CAR.format(links="\n".join(links), controls="".join(controls)).removesuffix("</robot>")
+    path = tmp_path / "base.urdf"
+    path.write_text(text + PLUGIN.format(left=left, right=right), encoding="utf-8")
+    robot, plugin = layouts(path)
+    result = compare(robot, plugin)
+    assert {e.motion: e.ratio for e in result.effects} == pytest.approx(
+        {"straight": 1, "turn": -1 if swapped else 1}
+    )
+    assert bool(result.differences) is swapped
 
 
 def test_files_with_nothing_in_common(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:

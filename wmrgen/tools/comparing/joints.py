@@ -11,7 +11,7 @@ from wmrgen.robotfile.names import role
 from wmrgen.tools.comparing.matching import bare
 from wmrgen.tools.comparing.quantities import roles
 from wmrgen.tools.comparing.record import JOINTS, Difference, Layout, Side
-from wmrgen.tools.controllers.parameters import Terms
+from wmrgen.tools.controllers.parameters import NamedJoint, Terms
 from wmrgen.tools.controllers.record import ControllerType
 from wmrgen.tools.exporting.bodies import joint_of
 
@@ -67,6 +67,9 @@ def commanded_joints(
     for term, places in record.places.items():
         kind = "steer" if term in record.steering else "spin"
         written = terms.joints.get(term, ())
+        if len(places) > 1 and len(written) > len(places):
+            differences.append(_too_many(written, len(places)))
+            written = written[: len(places)]
         for index, joint in enumerate(written):
             found, by_name = _by_name(a, joint.name, kind), True
             place = places[min(index, len(places) - 1)] if places else None
@@ -90,6 +93,13 @@ def commanded_joints(
     if any(joint.by_name for joint in result):
         differences += _motors(a, result)
     return result, differences
+
+
+def _too_many(written: Sequence[NamedJoint], most: int) -> Difference:
+    """Return the difference of a list with more joints than the controller has commands for."""
+    words = f"the controller commands {most} joints here, the file names {len(written)}"
+    mark = written[most].mark
+    return Difference(MISSING, "joint", "", most, len(written), words, (mark,) if mark else ())
 
 
 def _by_name(a: Layout, name: str, kind: str) -> tuple[Side, str] | None:

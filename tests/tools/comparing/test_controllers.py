@@ -12,7 +12,9 @@ from pathlib import Path
 
 import pytest
 
+import wmrgen
 from tests.conftest import Outcome
+from wmrgen.derivation.emit import artifacts
 from wmrgen.tools.comparing.compare import compare
 from wmrgen.tools.comparing.record import Comparison
 from wmrgen.tools.comparing.sources import layouts
@@ -219,6 +221,15 @@ def test_releases_differ_in_names_and_formula(tmp_path: Path) -> None:
         assert {d.b for d in differences} == {line.split(":")[0] for line in (*NAMES, *LENGTHS)} - {
             "wheelbase"
         }
+
+
+def test_a_generated_header_has_the_joints_of_its_robot(tmp_path: Path) -> None:
+    robot, parameters = WRONG["reversed order"][:2]
+    first, second = written(tmp_path, robot, parameters)
+    header = tmp_path / "tried.h"
+    header.write_bytes(artifacts(wmrgen.derive(wmrgen.load(first)))["tried.h"])
+    (a,), (b,) = layouts(header), layouts(second)
+    assert {d.wheel for d in compare(a, b).differences if d.code == "WMR052"} == {"a", "c"}
 
 
 CAR = """<robot name="car"><link name="base_link"/>

@@ -31,6 +31,7 @@ from wmrgen.tools.comparing.record import (
 from wmrgen.tools.controllers import controller_type
 from wmrgen.tools.controllers.parameters import NamedJoint, ParameterSet, Terms, parameter_sets, terms_of
 from wmrgen.tools.controllers.record import ControllerType, Distro
+from wmrgen.tools.exporting.bodies import joint_named
 from wmrgen.tools.exporting.drives import limits_of
 from wmrgen.tools.importing.controllers import read_controllers
 from wmrgen.tools.importing.records import Controller, Description, Imported, Joint, Wheel
@@ -173,7 +174,8 @@ def of_header(text: str, source: str) -> Layout:
                 values[key], marks[key] = float(macro[3]), lines.mark_at(text, macro.start(3))
         if kind in WHEEL_TYPES and {"x", "y"} <= values.keys():
             _refuse_what_nothing_has(values, marks)
-            sides.append(Side((name,), kind, values, marks))
+            joints = {part: JointName(joint_named(name, part)) for part in WHEEL_TYPES[kind].joints}
+            sides.append(Side((name,), kind, values, marks, joints=joints))
     if not sides:
         raise RobotFileError(
             f"{source}: no header of wmrgen", None, "", "Give the .h that `wmrgen derive` wrote."

@@ -67,7 +67,12 @@ class Body:
 
 def joint_of(wheel: Wheel, part: str) -> str:
     """Return the name of a wheel's joint in ROS, as in packages of `wmrgen derive`: left_spin."""
-    return f"{wheel.name}_{part}"
+    return joint_named(wheel.name, part)
+
+
+def joint_named(wheel: str, part: str) -> str:
+    """Return the name of the joint of a wheel by the wheel's name."""
+    return f"{wheel}_{part}"
 
 
 def bodies(robot: Robot) -> list[Body]:

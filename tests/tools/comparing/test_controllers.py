@@ -223,6 +223,20 @@ def test_releases_differ_in_names_and_formula(tmp_path: Path) -> None:
         }
 
 
+def test_joint_names_that_the_robot_lacks_are_not_compared(tmp_path: Path) -> None:
+    result = compared(tmp_path, DD, diff("joint_1", "joint_2"))
+    assert result.differences == () and result.compared
+    assert any("joint_1, joint_2" in words for words in result.unsaid)
+    exchanged = compared(tmp_path, DD, diff("base_right_wheel_joint", "base_left_wheel_joint"))
+    assert {(d.code, d.wheel) for d in exchanged.differences} == {("WMR052", "left"), ("WMR052", "right")}
+
+
+def test_a_length_of_other_software_does_not_hide_exchanged_joints(tmp_path: Path) -> None:
+    parameters = ackermann(TRACTION, "front_left_steer, front_right_steer") + "    robot_radius: 0.5\n"
+    codes = {(d.code, d.wheel) for d in compared(tmp_path, FRONT, parameters).differences}
+    assert codes >= {("WMR052", "front_left"), ("WMR052", "front_right")}
+
+
 def test_a_generated_header_has_the_joints_of_its_robot(tmp_path: Path) -> None:
     robot, parameters = WRONG["reversed order"][:2]
     first, second = written(tmp_path, robot, parameters)

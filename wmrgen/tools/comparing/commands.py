@@ -136,7 +136,7 @@ def evaluated(a: Layout, b: Layout) -> tuple[Evaluation | None, list[Difference]
         b: The controller.
 
     Returns:
-        The evaluation, or None if it is not possible; differences of single joints; notes.
+        The evaluation, or None if it is not possible; differences of single joints; what is not compared.
     """
     if b.evaluable is None or a.controller is not None:
         return None, [], []
@@ -151,7 +151,7 @@ def evaluated(a: Layout, b: Layout) -> tuple[Evaluation | None, list[Difference]
         return None, other_release, notes
     foreign = _foreign(b, record, terms)
     if foreign:
-        notes.append(f"{record.name} has no parameter {foreign}: its joint commands are not computed")
+        notes.append(f"the joint commands, because {record.name} has no parameter {foreign}")
         return None, other_release, notes
     own = own_lengths(driving)
     numbers = dict(terms.numbers)
@@ -164,12 +164,17 @@ def evaluated(a: Layout, b: Layout) -> tuple[Evaluation | None, list[Difference]
     wheels = tuple(replace(w, values={"r": abs(radius), **w.values}) for w in driving)
     joints, differences = commanded_joints(replace(a, wheels=wheels), record, terms)
     differences = [*other_release, *differences]
+    unnamed = [joint.name for joint in joints if not joint.by_name and joint.mark]
+    if unnamed:
+        notes.append(
+            f"the joint names {', '.join(unnamed)}: the wheels where the controller expects them are used"
+        )
     motions = tuple(_motions(wheels, record))
     result = Evaluation(wheels, record, numbers, tuple(joints), motions, b, base_frame(wheels, record))
     try:
         result.unequal(numbers)
     except (KeyError, ZeroDivisionError) as error:
-        notes.append(f"the joint commands are not computed: the file has no value of {error}")
+        notes.append(f"the joint commands, because the file has no value of {error}")
         return None, differences, notes
     return (result if joints else None), differences, notes
 
@@ -186,8 +191,9 @@ def _foreign(b: Layout, record: ControllerType, terms: Terms) -> str:
     if not terms.complete or b.controller is None:
         return ""
     known = {name.lower() for name in record.known_names()}
+    needs_more = not record.lengths.keys() <= terms.numbers.keys()
     for setting in (*b.controller.lengths.values(), *b.controller.multipliers.values()):
-        if setting.key.lower() not in known:
+        if needs_more and setting.key.lower() not in known:
             return setting.key
     return "for its joints" if b.controller.joints and not terms.joints else ""
 

@@ -46,7 +46,8 @@ def compare(a: Layout, b: Layout) -> Comparison:
     except _Unknown as why:
         notes.append(f"motion is not computed: {why}")
     compared = found.compared or bool(found.differences)
-    return Comparison(a, b, tuple(reported), moved, tuple(notes), _unsaid(a, b, found.silent), compared)
+    unsaid = (*_unsaid(a, b, found.silent), *found.unsaid)
+    return Comparison(a, b, tuple(reported), moved, tuple(notes), unsaid, compared)
 
 
 def _is_ignored(d: Difference) -> bool:
@@ -63,6 +64,7 @@ class _Found(NamedTuple):
     silent: Silent
     compared: bool
     effects: Callable[[], Iterator[Effect]] | None = None  # of joint commands, if they are known
+    unsaid: tuple[str, ...] = ()  # what else is not compared
 
 
 def _with_layout(a: Layout, b: Layout) -> _Found:
@@ -78,7 +80,7 @@ def _with_controller(a: Layout, b: Layout, controller: Controller) -> _Found:
     """
     by_length = with_controller(a, controller)
     notes = [*by_length.notes, *controller.notes]
-    evaluation, of_joints, more = evaluated(a, b)
+    evaluation, of_joints, unsaid = evaluated(a, b)
     limits, of_limits = limit_differences(a, b)
     differences, result = by_length.differences, None
     if evaluation:
@@ -92,10 +94,10 @@ def _with_controller(a: Layout, b: Layout, controller: Controller) -> _Found:
         result = partial(effects_of, wheels, ties, evaluation.applied, wheels)
     known = {d.wheel for d in differences if d.code == MISSING and d.wheel}
     differences = [*differences, *(d for d in of_joints if not d.wheel or d.wheel not in known), *limits]
-    notes += [*more, *of_limits]
+    notes += of_limits
     limited = b.evaluable is not None and bool(a.limits.keys() & b.evaluable[1].parameters.keys())
     compared = by_length.compared or evaluation is not None or limited
-    return _Found(differences, by_length.pairs, notes, by_length.silent, compared, result)
+    return _Found(differences, by_length.pairs, notes, by_length.silent, compared, result, tuple(unsaid))
 
 
 def _unsaid(a: Layout, b: Layout, silent: Silent) -> tuple[str, ...]:

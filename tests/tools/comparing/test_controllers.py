@@ -308,6 +308,23 @@ def test_a_plugin_with_exchanged_joints(swapped: bool, tmp_path: Path) -> None:
     assert bool(result.differences) is swapped
 
 
+def test_the_limits_of_a_plugin(tmp_path: Path) -> None:
+    robot = FRONT.split("  - {name: front")[0]
+    first, _ = written(tmp_path, f"limits: {{vx: 1.0}}\n{robot}", "")
+    plugin = PLUGIN.format(left="rear_left_spin", right="rear_right_spin")
+    limit = "<max_linear_velocity>5</max_linear_velocity></plugin>"
+    links = "".join(
+        LINK.format(n=f"rear_{s}_spin", p="base_link", at=f"0 {y} 0.18")
+        for s, y in (("left", 0.39), ("right", -0.39))
+    )
+    path = tmp_path / "base.urdf"
+    text = CAR.format(links=links, controls="").removesuffix("</robot>") + plugin
+    path.write_text(text.replace("</plugin>", limit), encoding="utf-8")
+    (own,), (_, read) = layouts(first), layouts(path)
+    (difference,) = compare(own, read).differences
+    assert (difference.code, difference.a, difference.b) == ("WMR053", 1.0, 5.0)
+
+
 def test_files_with_nothing_in_common(tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
     paths = written(tmp_path, DD, controller("diff_drive_controller", "publish_rate: 50.0"))
     done = wmrgen_cli("compare", *paths)

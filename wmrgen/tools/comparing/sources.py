@@ -29,11 +29,19 @@ from wmrgen.tools.comparing.record import (
     Tie,
 )
 from wmrgen.tools.controllers import controller_type
-from wmrgen.tools.controllers.parameters import NamedJoint, ParameterSet, Terms, parameter_sets, terms_of
+from wmrgen.tools.controllers.parameters import (
+    NamedJoint,
+    ParameterSet,
+    Terms,
+    Written,
+    parameter_sets,
+    terms_of,
+)
 from wmrgen.tools.controllers.record import ControllerType, Distro
 from wmrgen.tools.exporting.bodies import joint_named
 from wmrgen.tools.exporting.drives import limits_of
 from wmrgen.tools.importing.controllers import read_controllers
+from wmrgen.tools.importing.read import below, local, mark_of, parse_file
 from wmrgen.tools.importing.records import Controller, Description, Imported, Joint, Wheel
 from wmrgen.tools.importing.source import description_of, pairs
 from wmrgen.tools.importing.view import Robot as View
@@ -196,7 +204,11 @@ def _refuse_what_nothing_has(values: Mapping[str, float], marks: Mapping[str, Ma
 
 
 def of_controller(
-    controller: Controller, source: str, given: ParameterSet | None = None, distro: Distro | None = None
+    controller: Controller,
+    source: str,
+    given: ParameterSet | None = None,
+    distro: Distro | None = None,
+    limits: Mapping[str, Written] | None = None,
 ) -> Layout:
     """Return the layout of a controller, which has lengths and no wheels.
 
@@ -205,22 +217,26 @@ def of_controller(
         source: The file.
         given: All its parameters; None: only what ``controller`` has, as of a plugin.
         distro: The release of ROS 2 whose names it has; None: those of all releases.
+        limits: The elements of a plugin, from which its limits are read.
     """
     title = " ".join(filter(None, (controller.name, f"({controller.type})" if controller.type else "")))
     record = controller_type(given.type if given else controller.type)
     evaluable = None
     if record and (given or record.tag):
-        terms = terms_of(record, given, distro) if given else terms_of_plugin(record, controller)
+        terms = (
+            terms_of(record, given, distro) if given else terms_of_plugin(record, controller, limits or {})
+        )
         evaluable = record, terms
     return Layout(source, CONTROLLER, controller=controller, title=title, evaluable=evaluable, distro=distro)
 
 
-def terms_of_plugin(record: ControllerType, controller: Controller) -> Terms:
-    """Return the terms that a drive plugin gives: its lengths, and its joints by their positions.
+def terms_of_plugin(record: ControllerType, controller: Controller, elements: Mapping[str, Written]) -> Terms:
+    """Return the terms that a drive plugin gives: its lengths, its joints by their positions, its limits.
 
     Args:
         record: The record of the plugin.
         controller: What was read of it.
+        elements: Its elements by their names.
     """
     terms = {key: term for term, key in record.lengths.items()}
     terms |= {"front_track": "steering_track"} if "steering_track" in record.lengths else {}
@@ -230,6 +246,10 @@ def terms_of_plugin(record: ControllerType, controller: Controller) -> Terms:
         if key in terms:
             numbers[terms[key]] = float(setting.value)
             parameters[terms[key]] = (setting.key, setting.mark)
+    for name, term in record.names.items():
+        number = elements[name].number if name in elements and "." in term else None
+        if number is not None:
+            numbers[term], parameters[term] = number, (name, elements[name].mark)
     joints: dict[str, tuple[NamedJoint, ...]] = {}
     for named in controller.joints:
         for term, (place, *_) in record.places.items():
@@ -269,6 +289,15 @@ def layouts(
     return result
 
 
+def _plugin_elements(path: Path) -> dict[str, dict[str, Written]]:
+    """Return the elements of each plugin that a URDF or SDF has itself, by the plugin's name; none of its macros."""
+    result: dict[str, dict[str, Written]] = {}
+    for plugin in below(parse_file(path), "plugin"):
+        elements = {local(e): Written(tuple((e.text or "").split()), (mark_of(e),)) for e in plugin}
+        result.setdefault(plugin.get("name") or "", elements)
+    return result
+
+
 def _refuse_without_values(text: str, values: Mapping[str, str], name: str, has_values: bool) -> None:
     """Raise RobotFileError for parameters without values, if the file has ``$(arg …)`` that were not given."""
     open_ = [word for word in dict.fromkeys(_ARGUMENT.findall(text)) if word not in values]
@@ -290,6 +319,7 @@ def _layouts(
 ) -> Iterator[Layout]:
     name = printable(str(path))
     given: dict[tuple[str, str], ParameterSet] = {}
+    elements: dict[str, dict[str, Written]] = {}
     try:
         start = read_at_most(path, _LARGEST)
     except (OSError, ValueError):
@@ -302,6 +332,7 @@ def _layouts(
         robot = import_wheels(description, base)
         yield of_import(robot, description.joints, name, steering_signs(description, robot.base))
         controllers = description.controllers
+        elements = _plugin_elements(path) if controllers else {}
     elif _HEADER.search(text):
         yield of_header(text, name)
     else:
@@ -324,4 +355,4 @@ def _layouts(
         if not controllers:
             yield of_robot(*wmrgen.read(path), name)
     for c in controllers:
-        yield of_controller(c, name, given.get((c.name, c.type)), distro)
+        yield of_controller(c, name, given.get((c.name, c.type)), distro, elements.get(c.name))

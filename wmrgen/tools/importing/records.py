@@ -139,6 +139,14 @@ class Wheel:
     actuated: tuple[str, ...] | None
     steer_limits: tuple[Fraction, Fraction] | None
     remarks: dict[str, str]
+    steers_down: bool = False  # whether the axis of the steering joint points down
+
+    @property
+    def joints(self) -> dict[str, str]:
+        """The names of its joints in the description, as a robot file writes them under ``joints:``."""
+        sign = "-" if self.steers_down else ""
+        names = {"spin": self.joint, "steer": self.steer_joint and sign + self.steer_joint}
+        return {joint: name for joint, name in names.items() if name}
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,9 @@ from typing import Any
 
 from wmrgen.errors import Mark, RobotFileError
 from wmrgen.geometry.layout.expressions import twelfths_of_pi
+from wmrgen.geometry.layout.records import DEFAULT_FRAME
 from wmrgen.robotfile.load import OPEN
-from wmrgen.robotfile.names import robot_name, wheel_name
+from wmrgen.robotfile.names import is_outer_name, robot_name, wheel_name
 from wmrgen.robotfile.text import Scalar, quoted
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES
 from wmrgen.tools.importing.records import DIGITS, MODEL, SUPPORT, Imported, Question, Wheel
@@ -21,6 +22,7 @@ from wmrgen.tools.importing.records import DIGITS, MODEL, SUPPORT, Imported, Que
 _SAME = 1e-9  # [rad]
 _WIDTH = 100
 _KINDS_OF_JOINT = re.compile("((?i:_(joint|link|wheel|spin|axle|hinge))|Joint|Link|Wheel|Spin|Axle|Hinge)+$")
+_UNQUOTED = re.compile("-?[A-Za-z0-9_./-]+")  # what YAML reads as it is in a mapping
 _MOST = 28  # characters, which leave room for a number
 
 
@@ -54,6 +56,8 @@ def text(robot: Imported, source: str) -> str:
             "or delete the wheel that is none. wmrgen derive refuses the file until then."
         )
     lines += ["wmrgen: 1", f"name: {near_robot_name(robot.name)}"]
+    if robot.base not in (MODEL, DEFAULT_FRAME) and is_outer_name(robot.base):
+        lines.append(f"frame: {robot.base}")
     if robot.effective_track:
         track, said = robot.effective_track
         lines += _comment(f"It turns by skidding: {said}")
@@ -80,6 +84,9 @@ def _comment(words: str, indent: str = "") -> list[str]:
 def _wheel(wheel: Wheel, questions: Sequence[Question]) -> Iterator[str]:
     values = dict(_values(wheel))
     asked = {q.key for q in questions}
+    joints = _joints(wheel)
+    if joints and not ("type" in asked and wheel.actuated == ()):  # it may be a ball, which has no joints
+        values["joints"] = joints
     for key in asked - set(values):
         values[key] = OPEN
     for position, (key, value) in enumerate(values.items()):
@@ -127,6 +134,16 @@ def _values(wheel: Wheel) -> Iterator[tuple[str, str]]:
         yield "actuated", f"[{', '.join(wheel.actuated)}]"
     if wheel.steer_limits:
         yield "limits", "{steer: [" + ", ".join(map(_length, wheel.steer_limits)) + "]}"
+
+
+def _joints(wheel: Wheel) -> str:
+    """Return the names of the wheel's joints as YAML; "" if all are as they would be without this key."""
+    entries = []
+    for joint, name in wheel.joints.items():
+        written = name if _UNQUOTED.fullmatch(name) else f"'{name}'"
+        if joint in WHEEL_TYPES[wheel.type].joints and is_outer_name(name.removeprefix("-")):
+            entries += [f"{joint}: {written}"] * (name != f"{wheel.name}_{joint}")
+    return "{" + ", ".join(entries) + "}" if entries else ""
 
 
 def _length(value: Fraction) -> str:

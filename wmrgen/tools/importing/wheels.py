@@ -124,7 +124,7 @@ def _wheel(
         x, y, _ = foot
         remarks["x"] = f"steering axis of joint {quoted(steer.name)}, wheel: {place}"
         if robot.axis(steer)[2] < 0:
-            remarks["type"] = f"joint {quoted(steer.name)} points down: its angle is -{name}.steer"
+            remarks["joints"] = f"{quoted(steer.name)} points down: its angle is -{name}.steer"
         if tilt > 1:
             questions.append(tilted(name, foot, tilt))
     actuated, stops = _actuated(robot, c), _steer_limits(robot, steer)
@@ -168,6 +168,7 @@ def _wheel(
         actuated,
         stops,
         remarks,
+        steer is not None and robot.axis(steer)[2] < 0,
     )
     return wheel, questions
 

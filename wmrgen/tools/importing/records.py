@@ -112,13 +112,18 @@ class Description:
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What the file does not say; ``key`` is that of the robot file, ``hints`` are not taken. ``wheel`` may be
-    `SUPPORT`, which is none yet."""
+    """What the file does not say; ``hints`` are not taken."""
 
-    wheel: str
-    key: str
+    wheel: str  # its name, or `SUPPORT`, which is none yet
+    key: str  # of the robot file
     text: str
     hints: tuple[str, ...] = ()
+    also: tuple[str, ...] = ()  # the other wheels that have the same answer
+
+    @property
+    def wheels(self) -> tuple[str, ...]:
+        """All wheels that have this answer."""
+        return (self.wheel, *self.also)
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,7 +32,8 @@ def as_json(robot: Imported) -> dict[str, Any]:
         "base": robot.base,
         "wheels": [_wheel_json(wheel) for wheel in robot.wheels],
         "questions": [
-            {"wheel": q.wheel, "key": q.key, "text": q.text, "hints": list(q.hints)} for q in robot.questions
+            {"wheel": q.wheel, "key": q.key, "text": q.text, "hints": list(q.hints), "also": list(q.also)}
+            for q in robot.questions
         ],
     }
 
@@ -64,7 +65,7 @@ def text(robot: Imported, source: str) -> str:
         lines.append(f"effective_track: {_length(track)}")
     lines.append("wheels:")
     for wheel in robot.wheels:
-        lines += _wheel(wheel, [q for q in robot.questions if q.wheel == wheel.name and q.key != "equal"])
+        lines += _wheel(wheel, [q for q in robot.questions if wheel.name in q.wheels and q.key != "equal"])
     lines += _support([q for q in robot.questions if q.wheel == SUPPORT])
     doubts = [q for q in robot.questions if q.key == "equal"]
     if robot.couplings or doubts:
@@ -92,8 +93,10 @@ def _wheel(wheel: Wheel, questions: Sequence[Question]) -> Iterator[str]:
     for position, (key, value) in enumerate(values.items()):
         indent = "  - " if position == 0 else "    "
         for question in questions:
-            if question.key == key:
+            if question.key == key and question.wheel == wheel.name:
                 yield from _asked(question, "    ")
+            elif question.key == key:
+                yield from _comment(f"? the same answer as {question.wheel}.{key}", "    ")
         remark = wheel.remarks.get(key, "")
         shown = OPEN if key in asked else value
         yield f"{indent}{key}: {shown}" + (f"   # {remark}" if remark else "")

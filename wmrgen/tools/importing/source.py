@@ -14,6 +14,7 @@ from wmrgen.tools.importing import meshes, sdf, urdf
 from wmrgen.tools.importing.controllers import plugin_controllers
 from wmrgen.tools.importing.read import below, children, local, mark_of, parse_file, refuse
 from wmrgen.tools.importing.records import Description
+from wmrgen.tools.importing.rollers import says_rollers
 from wmrgen.tools.importing.xacro import macros, resolve
 
 _URDF = (
@@ -63,7 +64,7 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     notes = [*unasked, *(f"<{tag}> is passed over: {_PREFIX}" for tag in strange), *description.notes]
     return replace(
         description,
-        words=(*description.words, *(macro for macro in dict.fromkeys(called) if "mecanum" in macro.lower())),
+        words=(*description.words, *(macro for macro in dict.fromkeys(called) if says_rollers(macro))),
         notes=tuple(notes),
         controllers=seen,
         file_of=lambda uri: _mesh(located(uri, file, folders)),

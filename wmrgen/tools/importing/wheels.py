@@ -12,6 +12,7 @@ from wmrgen.tools.importing.candidates import LEVEL, candidates
 from wmrgen.tools.importing.couplings import couplings
 from wmrgen.tools.importing.frames import ancestors, dot, plus
 from wmrgen.tools.importing.instructions import skid_track
+from wmrgen.tools.importing.kinds import Subject, types_asked
 from wmrgen.tools.importing.passed import with_gears
 from wmrgen.tools.importing.questions import (
     CONFLICT,
@@ -91,6 +92,7 @@ def import_wheels(description: Description, base: str | None, forward: str | Non
         *([] if forward else front_doubted(robot, result, wheels)),
         *doubts,
     ]
+    questions += types_asked(Subject(robot, result, wheels), questions)
     support = support_asked(robot, result, wheels, passed)
     if questions or any(question.hints for question in support):
         questions += support

@@ -15,7 +15,8 @@ from wmrgen.tools.importing.controllers import plugin_controllers
 from wmrgen.tools.importing.read import below, children, local, mark_of, parse_file, refuse
 from wmrgen.tools.importing.records import Description
 from wmrgen.tools.importing.rollers import says_rollers
-from wmrgen.tools.importing.xacro import macros, resolve
+from wmrgen.tools.importing.xacro import macros
+from wmrgen.tools.importing.xacro_process import resolve
 
 _URDF = (
     "link joint material transmission gazebo ros2_control sensor plugin model world author version group default static"

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
+from wmrgen.geometry.layout.skid import parallel
 from wmrgen.robotfile.text import quoted
 from wmrgen.robotfile.wheel_types.types import FIXED, STEERED
 from wmrgen.tools.importing.frames import ancestors
 from wmrgen.tools.importing.records import Question, Wheel
 from wmrgen.tools.importing.rollers import names_of
-from wmrgen.tools.importing.view import Candidate, Robot
+from wmrgen.tools.importing.view import EVEN, Candidate, Robot
 
 _CASTOR = re.compile("cast[eo]r", re.IGNORECASE)
 _TRACK = re.compile("(?<![a-z])(tracks?|crawlers?|caterpillar)(?![a-z])", re.IGNORECASE)
 _SKIDS = re.compile("diff|skid", re.IGNORECASE)
 _STEERING = re.compile("ackermann?|bicycle|tricycle|swerve|wheel_?steer", re.IGNORECASE)
-_LEVEL = 1e-3  # [m] positions that differ by less are equal: drawings are given in millimetres
-_PARALLEL = 1e-3  # [rad] headings that differ by less are equal: descriptions write 1.57 and 3.14
 
 
 class Subject(NamedTuple):
@@ -101,7 +101,7 @@ def _unsteered(subject: Subject) -> Iterator[Question]:
     if not steering or any(w.steer_joint or w.type == STEERED.name for w in subject.wheels):
         return
     front = max((float(wheel.x) for wheel, _ in subject.plain), default=0.0)
-    wheels = [wheel.name for wheel, _ in subject.plain if front - float(wheel.x) < _LEVEL]
+    wheels = [wheel.name for wheel, _ in subject.plain if front - float(wheel.x) < EVEN]
     if wheels:
         text = f"{quoted(steering[0])} steers, and no joint of the file does: do these?"
         hints = ("steered, if they steer", "fixed, if other wheels steer: write type: steered there")
@@ -123,7 +123,7 @@ def _four_driven(subject: Subject) -> Iterator[Question]:
 def _in_rectangle(wheels: Sequence[Wheel]) -> bool:
     """Return whether wheels roll in parallel on two axles, with a wheel on each side of each axle."""
     first = wheels[0].heading or 0.0
-    if any(abs(math.sin((w.heading or 0.0) - first)) > _PARALLEL for w in wheels):
+    if not parallel([cmath.rect(1, w.heading or 0.0) for w in wheels]):
         return False
     ahead = [math.cos(first) * float(w.x) + math.sin(first) * float(w.y) for w in wheels]
     aside = [math.cos(first) * float(w.y) - math.sin(first) * float(w.x) for w in wheels]
@@ -133,7 +133,7 @@ def _in_rectangle(wheels: Sequence[Wheel]) -> bool:
 def _in_pairs(values: Sequence[float]) -> bool:
     """Return whether four values are two pairs of equal values."""
     a, b, c, d = sorted(values)
-    return b - a < _LEVEL and d - c < _LEVEL and c - b > _LEVEL
+    return b - a < EVEN and d - c < EVEN and c - b > EVEN
 
 
 def _names_up_to_base(robot: Robot, c: Candidate) -> Iterator[str]:

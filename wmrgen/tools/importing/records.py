@@ -182,6 +182,7 @@ class Imported:
     couplings: tuple[Coupling, ...]
     notes: tuple[str, ...]
     effective_track: tuple[Fraction, str] | None = None
+    answers: Mapping[str, str] = field(default_factory=dict)  # WHEEL.KEY -> value, as YAML
 
 
 @dataclass(frozen=True, slots=True)

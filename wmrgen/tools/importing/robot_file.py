@@ -6,7 +6,7 @@ import itertools
 import math
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -65,7 +65,10 @@ def text(robot: Imported, source: str) -> str:
         lines.append(f"effective_track: {_length(track)}")
     lines.append("wheels:")
     for wheel in robot.wheels:
-        lines += _wheel(wheel, [q for q in robot.questions if wheel.name in q.wheels and q.key != "equal"])
+        own = {key: value for key, value in robot.answers.items() if key.startswith(f"{wheel.name}.")}
+        lines += _wheel(
+            wheel, own, [q for q in robot.questions if wheel.name in q.wheels and q.key != "equal"]
+        )
     lines += _support([q for q in robot.questions if q.wheel == SUPPORT])
     doubts = [q for q in robot.questions if q.key == "equal"]
     if robot.couplings or doubts:
@@ -82,8 +85,10 @@ def _comment(words: str, indent: str = "") -> list[str]:
     return textwrap.wrap(words, _WIDTH, initial_indent=f"{indent}# ", subsequent_indent=f"{indent}#   ")
 
 
-def _wheel(wheel: Wheel, questions: Sequence[Question]) -> Iterator[str]:
+def _wheel(wheel: Wheel, answers: Mapping[str, str], questions: Sequence[Question]) -> Iterator[str]:
+    """Yield the lines of a wheel; ``answers`` by WHEEL.KEY replace what the description says."""
     values = dict(_values(wheel))
+    values.update({key.partition(".")[2]: value for key, value in answers.items()})
     asked = {q.key for q in questions}
     joints = _joints(wheel)
     if joints and not ("type" in asked and wheel.actuated == ()):  # it may be a ball, which has no joints
@@ -97,7 +102,7 @@ def _wheel(wheel: Wheel, questions: Sequence[Question]) -> Iterator[str]:
                 yield from _asked(question, "    ")
             elif question.key == key:
                 yield from _comment(f"? the same answer as {question.wheel}.{key}", "    ")
-        remark = wheel.remarks.get(key, "")
+        remark = "answered" if f"{wheel.name}.{key}" in answers else wheel.remarks.get(key, "")
         shown = OPEN if key in asked else value
         yield f"{indent}{key}: {shown}" + (f"   # {remark}" if remark else "")
 

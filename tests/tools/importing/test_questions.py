@@ -73,7 +73,8 @@ def test_a_wheel_beside_the_corner_that_three_others_leave_is_asked_about(
 ) -> None:
     places = {n: moved.get(n, place) for n, place in CORNERS.items()}
     wheels = "".join(wheel(n, f"{x} {y} 0.1") for n, (x, y) in places.items())
-    said = read(robot(wheels, control(*(f"{n}_joint" for n in CORNERS))))
+    skids = '<gazebo><plugin filename="libgazebo_ros_skid_steer_drive.so"/></gazebo>'
+    said = read(robot(wheels, control(*(f"{n}_joint" for n in CORNERS)), skids))
     assert said["asked"] == asked and ("-0.3 at the corner" in said["text"]) is ("rr" in moved)
 
 

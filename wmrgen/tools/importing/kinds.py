@@ -97,7 +97,8 @@ def _unsteered(subject: Subject) -> Iterator[Question]:
     """Ask once about the front wheels if a controller steers and no wheel of the file does."""
     description = subject.robot.description
     kinds = (controller.type for controller in description.controllers)
-    steering = [word for word in (*description.words, *kinds) if _STEERING.search(word)]
+    plugins = [word for word in (*description.words, *kinds) if word != description.name]
+    steering = [word for word in plugins if _STEERING.search(word)]
     if not steering or any(w.steer_joint or w.type == STEERED.name for w in subject.wheels):
         return
     front = max((float(wheel.x) for wheel, _ in subject.plain), default=0.0)
@@ -147,7 +148,7 @@ def _names_up_to_base(robot: Robot, c: Candidate) -> Iterator[str]:
 
 RULES = (
     Rule(
-        "castor",
+        "swivel is fixed",
         "A castor without its swivel drags the robot: the file has a fixed joint in place of the swivel.",
         "no file of the collection; a small input of the issue, copied to tests/tools/importing/test_kinds.py",
         _castors,

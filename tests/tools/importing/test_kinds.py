@@ -102,3 +102,13 @@ def test_two_links_of_one_name_are_refused_at_the_second(wmrgen_cli: Cli, tmp_pa
 def test_a_revolute_joint_with_limits_of_zero_is_noted(read: Read) -> None:
     said = read(robot(pair(kind="revolute", more='<limit lower="0" upper="0"/>'), driven("left", "right")))
     assert said["notes"].count("limits from 0 to 0") == 2 and said["questions"] == []
+
+
+@pytest.mark.parametrize(("rise", "notes"), [("0", 0), ("-0.02", 1), ("0.02", 1)])
+def test_a_frame_of_the_ground_that_contradicts_the_cylinders_is_noted_once(
+    read: Read, rise: str, notes: int
+) -> None:
+    foot = link("base_footprint") + joint("foot", "base_footprint", "base_link", f"0 0 {rise}", "fixed")
+    said = read(robot(foot, pair(), driven("left", "right")))
+    assert said["notes"].count("above base_footprint") == notes
+    assert {w["r"] for w in said["wheels"]} == {0.1}

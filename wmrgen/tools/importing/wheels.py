@@ -20,6 +20,7 @@ from wmrgen.tools.importing.questions import (
     axle_asked,
     ball_asked,
     doubt,
+    heights_noted,
     mesh_radius,
     other_height,
     planes_asked,
@@ -97,6 +98,7 @@ def import_wheels(description: Description, base: str | None, forward: str | Non
     if questions or any(question.hints for question in support):
         questions += support
     notes += [question.text for question in support if question not in questions]
+    notes += heights_noted(robot, wheels, names)
     above = sorted({j.name for c in wheels for j in c.via})
     notes += [f"joint {quoted(name)} moves above wheels and is taken at zero" for name in above]
     if forward not in (None, "x"):

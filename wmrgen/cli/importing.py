@@ -30,6 +30,9 @@ def import_robot(
         option("The direction that is forward, in the frame of the robot's link."),
     ] = None,
     package: Package = None,
+    workspace: Annotated[
+        Path | None, option("A folder with ROS packages, such as src of a workspace.", "DIR")
+    ] = None,
     controller: Annotated[
         list[Path] | None, option("Read parameters of the wheels' controller too: YAML.", "FILE.yaml")
     ] = None,
@@ -56,11 +59,13 @@ def import_robot(
     from wmrgen.tools.importing.controllers import read_controllers
     from wmrgen.tools.importing.robot_file import as_json as imported_json
     from wmrgen.tools.importing.robot_file import counted, text
-    from wmrgen.tools.importing.source import pairs
+    from wmrgen.tools.importing.source import packages_in, pairs
 
     values = pairs(arguments or ())
     parameters = {path: read_controllers(path, values) for path in controller or ()}
-    robot = _imported(file, arguments or (), base, forward, package or (), parameters)
+    found = {} if workspace is None else packages_in(workspace)
+    packages = [*(f"{name}={folder}" for name, folder in found.items()), *(package or ())]
+    robot = _imported(file, arguments or (), base, forward, packages, parameters)
     if update is not None:
         robot = updated(robot, update)
     robot = answered(robot, read_answers(answer or ()))

@@ -340,3 +340,13 @@ def test_elements_of_the_process_have_their_places(tmp_path: Path) -> None:
         assert mark is not None and mark.file == str(path)
         assert text.splitlines()[mark.line - 1][mark.column - 1 :].startswith(f"<link name='{name}'")
     assert called == ["m"] and len(notes) == 1
+
+
+def test_packages_of_a_workspace_are_found_by_their_manifests(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    folder = tmp_path / "src" / "repository" / "folder"
+    folder.mkdir(parents=True)
+    (folder / "package.xml").write_text("<package><name>parts</name></package>", encoding="utf-8")
+    (folder / "wheels.xacro").write_text(f"{HEAD}{pair()}</robot>", encoding="utf-8")
+    path = write(tmp_path, '<xacro:include filename="$(find parts)/wheels.xacro"/>')
+    assert wmrgen_cli("import", path).code == 2
+    assert wmrgen_cli("import", path, "--workspace", tmp_path / "src").code == 0

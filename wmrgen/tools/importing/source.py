@@ -127,6 +127,19 @@ def _own_package(file: Path) -> dict[str, Path]:
     return {}
 
 
+def packages_in(workspace: Path) -> dict[str, Path]:
+    """Return the folders of all ROS packages below a folder by the names in their package.xml.
+
+    The first in alphabetical order counts if several packages have one name.
+    """
+    found: dict[str, Path] = {}
+    for manifest in sorted(workspace.rglob("package.xml")):
+        title = next(below(parse_file(manifest), "name"), None)
+        name = "" if title is None else (title.text or "").strip()
+        found.setdefault(name or manifest.parent.name, manifest.parent)
+    return found
+
+
 def pairs(words: Sequence[str], sign: str = ":=") -> dict[str, str]:
     """Words of the form NAME, sign, VALUE. UsageError for what is none."""
     values = {}

@@ -37,3 +37,17 @@ def test_a_message_says_what_is_wrong_and_then_what_to_do(
     message = re.fullmatch(r"error\[WMR112\]: ([a-z-].*?)\. ([A-Z`].*)\.?\n", done.err)
     assert message, done.err
     assert [name for name in names.split() if name not in done.err] == []
+
+
+@pytest.mark.parametrize("heading", ["0", "pi"])
+@pytest.mark.parametrize(("x", "side"), [("0.05", "in front of"), ("-0.05", "behind")])
+def test_the_side_of_an_axle_is_that_of_the_robot(
+    wmrgen_cli: Cli, tmp_path: Path, heading: str, x: str, side: str
+) -> None:
+    path = tmp_path / "a.yaml"
+    lines = [
+        f"  - {{name: {n}, type: fixed, x: {x}, y: {y}, heading: {heading}, r: 0.1}}\n"
+        for n, y in (("left", 0.2), ("right", -0.2))
+    ]
+    path.write_text("wmrgen: 1\nname: a\nwheels:\n" + "".join(lines))
+    assert f"0.05 m {side} the origin P" in wmrgen_cli("lint", path).out

@@ -14,7 +14,7 @@ from wmrgen.robotfile.fields import Text, Version
 from wmrgen.robotfile.joints import read_of_joints
 from wmrgen.robotfile.keys import ROBOT
 from wmrgen.robotfile.mapping import tree_of
-from wmrgen.robotfile.names import Names, robot_name
+from wmrgen.robotfile.names import Names, outer_name, robot_name
 from wmrgen.robotfile.parts import (
     Reading,
     read_gains,
@@ -176,10 +176,17 @@ def _free_text(table: Table, key: str) -> str:
     return text
 
 
+def _frame(table: Table) -> str:
+    """Return the name of the robot frame in other tools; "" if the file has none."""
+    node = table.get("frame")
+    return "" if node is None else outer_name(scalar_of(node, "frame"), "frame")
+
+
 # The fields of a RobotSpec that are read after parameters and wheels, each with its reader.
 _PARTS: dict[str, Callable[[Reading], Any]] = {
     "description": lambda r: _free_text(r.table, "description"),
     "source": lambda r: _free_text(r.table, "source"),
+    "frame": lambda r: _frame(r.table),
     "snap": lambda r: r.table.word("snap"),
     "tolerance": lambda r: r.table.amount("tolerance", "the robot", r.scope),
     "couplings": lambda r: read_couplings(r.table, r.types, r.scope, r.collector),

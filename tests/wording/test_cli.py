@@ -51,3 +51,19 @@ def test_the_side_of_an_axle_is_that_of_the_robot(
     ]
     path.write_text("wmrgen: 1\nname: a\nwheels:\n" + "".join(lines))
     assert f"0.05 m {side} the origin P" in wmrgen_cli("lint", path).out
+
+
+@pytest.mark.parametrize(
+    ("words", "start"),
+    [
+        ("gains", "Stable"),
+        ("gains k_rho=-3", "Unstable"),
+        ("gains k_alpha=4", "Stable near the goal"),
+        ("icr PAIR vx=1 omega=1", "The robot turns"),
+        ("icr PAIR vx=1", "The robot does not turn"),
+        ("icr PAIR vx=0", "The robot stands still"),
+    ],
+)
+def test_a_result_starts_with_a_sentence(wmrgen_cli: Cli, robot_file: Path, words: str, start: str) -> None:
+    first = wmrgen_cli(*words.replace("PAIR", str(robot_file)).split()).out.splitlines()[0]
+    assert first.startswith(start) and first.endswith(".") and "=" not in first.partition("because")[0]

@@ -43,7 +43,7 @@ from wmrgen.robotfile.text import (
 from wmrgen.robotfile.wheels import declared_types, every_wheel_is_named, read_couplings, read_wheels
 
 _DUNDER = re.compile(r"__\w+__")  # names such as __import__, which would be code in Python
-OPEN = "TODO"  # `wmrgen import` writes it, without quotes, for a value that the user must fill in
+OPEN = "TODO"  # `wmrgen import` and `new` write it, without quotes, for a value that the user must fill in
 _KEYS_OF_A_MODEL = {"format", "robot_type", "C1f"}  # by which a model.json is recognised
 
 
@@ -217,7 +217,7 @@ def _refuse_questions(tree: Node) -> None:
         with collector:
             raise node.error(
                 f"{key or 'this value'} is an open question",
-                "The import could not find this value.",
+                "The file does not give this value yet.",
                 f"Write the value in place of {OPEN}; the comment next to it says what is asked.",
                 code=Code.OPEN,
             )

@@ -6,14 +6,12 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from wmrgen.errors import Mark
-from wmrgen.geometry.layout.records import Wheel
 from wmrgen.robotfile.names import role
 from wmrgen.tools.comparing.matching import bare
 from wmrgen.tools.comparing.quantities import roles
 from wmrgen.tools.comparing.record import JOINTS, Difference, Layout, Side
 from wmrgen.tools.controllers.parameters import NamedJoint, Terms
 from wmrgen.tools.controllers.record import ControllerType
-from wmrgen.tools.exporting.bodies import joint_of
 
 MISSING = "WMR048"
 
@@ -39,11 +37,6 @@ class CommandedJoint(NamedTuple):
     def key(self) -> str:
         """Return a name that no other joint of the robot has."""
         return f"{self.wheel.name}.{self.kind}"
-
-
-def joint_name(wheel: Wheel, kind: str) -> str:
-    """Return the name of a wheel's joint, ``kind`` spin or steer, in other software: the one that `export` writes."""
-    return joint_of(wheel, kind)
 
 
 def commanded_joints(

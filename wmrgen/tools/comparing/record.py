@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from wmrgen.errors import Mark
+from wmrgen.robotfile.records import JointName
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES, WheelType
 from wmrgen.tools.controllers.parameters import Terms
 from wmrgen.tools.controllers.record import ControllerType, Distro
@@ -18,13 +18,6 @@ Silent = tuple[list[str], list[str]]  # values that the first file lacks, and th
 ROBOT_FILE, DESCRIPTION, HEADER, CONTROLLER = "robot file", "description", "header", "controller"
 JOINTS = ("spin", "steer")  # which couplings join
 SAME = 2e-3  # share of a length or of a rate, or rad: a smaller difference counts as equal
-
-
-class JointName(NamedTuple):
-    """A joint of a wheel as other software names it."""
-
-    name: str
-    sign: int = 1  # -1 if the joint counts against the wheel's own angle, as a steering axis that points down
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,17 +13,15 @@ from wmrgen.errors import ErrorCollector, Mark, RobotFileError
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.robotfile.numbers import NUMBER
 from wmrgen.robotfile.reader import read_tree
-from wmrgen.robotfile.records import RobotSpec
+from wmrgen.robotfile.records import JointName, RobotSpec
 from wmrgen.robotfile.text import MAX_BYTES, Source, bytes_of, decode, printable, read_at_most
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES
-from wmrgen.tools.comparing.joints import joint_name
 from wmrgen.tools.comparing.record import (
     CONTROLLER,
     DESCRIPTION,
     HEADER,
     JOINTS,
     ROBOT_FILE,
-    JointName,
     Layout,
     Side,
     Tie,
@@ -38,7 +36,6 @@ from wmrgen.tools.controllers.parameters import (
     terms_of,
 )
 from wmrgen.tools.controllers.record import ControllerType, Distro
-from wmrgen.tools.exporting.bodies import joint_named
 from wmrgen.tools.exporting.drives import limits_of
 from wmrgen.tools.importing.controllers import read_controllers
 from wmrgen.tools.importing.read import below, local, mark_of, parse_file
@@ -83,7 +80,7 @@ def of_robot(spec: RobotSpec, robot: Robot, source: str) -> Layout:
         for key in ("x", "y", "r", "d", "offset_y", "heading", "gamma", "l", "alpha", "beta"):
             quantity = getattr(written, key)
             marks |= {key: quantity.mark} if quantity else {}
-        joints = {joint: JointName(joint_name(w, joint)) for joint in w.kind.joints}
+        joints = {joint: w.joint_name(joint) for joint in w.kind.joints}
         sides.append(Side((w.name,), w.type, values, marks, w.actuated, joints))
     track, said = robot.effective_track, spec.effective_track
     effective = (float(track.nominal), said.mark) if track and said else None
@@ -158,7 +155,7 @@ def _imported(wheel: Wheel, places: Mapping[str, Mark | None], signs: Mapping[st
     marks = {"": mark} if mark else {}
     joints = {"spin": JointName(wheel.joint)} if wheel.joint else {}
     if wheel.steer_joint:
-        joints["steer"] = JointName(wheel.steer_joint, signs.get(wheel.steer_joint, 1))
+        joints["steer"] = JointName(wheel.steer_joint, signs.get(wheel.steer_joint, 1) < 0)
     return Side(names, wheel.type, values, marks, wheel.actuated, joints)
 
 
@@ -182,7 +179,7 @@ def of_header(text: str, source: str) -> Layout:
                 values[key], marks[key] = float(macro[3]), lines.mark_at(text, macro.start(3))
         if kind in WHEEL_TYPES and {"x", "y"} <= values.keys():
             _refuse_what_nothing_has(values, marks)
-            joints = {part: JointName(joint_named(name, part)) for part in WHEEL_TYPES[kind].joints}
+            joints = {part: JointName(f"{name}_{part}") for part in WHEEL_TYPES[kind].joints}
             sides.append(Side((name,), kind, values, marks, joints=joints))
     if not sides:
         raise RobotFileError(

@@ -1,7 +1,8 @@
 """The links of a robot, ready to print: one for each joint, the axle of a steered wheel below its steering joint.
 
-base_link is P, on the ground, x forward. The origin of a wheel's link is its centre; the wheel rolls along its x and
-turns about its y. The origin of a steering link is the pivot at the height of the axle; the joint turns about z.
+The frame of the robot is P, on the ground, x forward. The origin of a wheel's link is its centre; the wheel rolls
+along x and turns about y. The origin of a steering link is the pivot at the height of the axle; the joint turns about
+z.
 """
 
 from __future__ import annotations
@@ -12,17 +13,15 @@ from math import degrees, pi
 from typing import Any
 
 from wmrgen.errors import NotDerivableError
-from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.layout.records import Interval, Robot, Wheel
 from wmrgen.robotfile.text import quoted
 from wmrgen.tools.exporting.text import banner, decimal, decimals
 from wmrgen.tools.importing.records import RIGID
 
-BASE = "base_link"
 WIDTH = 0.4  # of a wheel, in radii
 CHASSIS, FORK, WHEEL, BALL = 10.0, 0.5, 1.0, 0.2  # masses [kg]
 EFFORT, SPEED = "100", 10.0  # [Nm], [rad/s] of joints without limits in the robot file
 _NOTES = (
-    f"{BASE} is the frame of the robot file: P, on the ground, x forward.",
     "PLACEHOLDERS, because the robot file has none: masses, inertias, the chassis, widths of wheels, efforts; "
     "velocities of joints and radii of balls, if it has none.",
 )
@@ -66,13 +65,8 @@ class Body:
 
 
 def joint_of(wheel: Wheel, part: str) -> str:
-    """Return the name of a wheel's joint in ROS, as in packages of `wmrgen derive`: left_spin."""
-    return joint_named(wheel.name, part)
-
-
-def joint_named(wheel: str, part: str) -> str:
-    """Return the name of the joint of a wheel by the wheel's name."""
-    return f"{wheel}_{part}"
+    """Return the name of a wheel's joint in other tools: the robot file's, else left_spin."""
+    return wheel.joint_name(part).name
 
 
 def bodies(robot: Robot) -> list[Body]:
@@ -89,8 +83,15 @@ def context(robot: Robot) -> dict[str, Any]:
         "mass": decimal(CHASSIS), "size": decimals(length, width, height), "xyz": decimals(x, y, 2 * height),
         "moments": _moments(CHASSIS, *(a**2 / 12 for a in (length, width, height))),
     }  # fmt: skip
-    about = [*banner(robot), *_NOTES]
-    return {"robot": robot.name, "about": about, "base": BASE, "chassis": chassis, "quarter": decimal(pi / 2)}
+    frame = f"{robot.frame} is the frame of the robot file: P, on the ground, x forward."
+    about = [*banner(robot), frame, *_NOTES]
+    return {
+        "robot": robot.name,
+        "about": about,
+        "base": robot.frame,
+        "chassis": chassis,
+        "quarter": decimal(pi / 2),
+    }
 
 
 def _moments(mass: float, x: float, y: float, z: float) -> Moments:
@@ -111,17 +112,17 @@ def _bodies(robot: Robot, wheel: Wheel) -> Iterator[Body]:
         )
     if not wheel.has_spin:
         yield Body(
-            wheel, "ball", BASE, at, "0", decimal(BALL), _moments(BALL, *ball),
+            wheel, "ball", robot.frame, at, "0", decimal(BALL), _moments(BALL, *ball),
             solid="sphere", sizes=radius, roles=_roles((("0", ()),)),
         )  # fmt: skip
         return
-    below = BASE
+    below = robot.frame
     if wheel.turns:
         angles = robot.limit(wheel, "steer")
-        ends = (("lower", decimal(angles.low)), ("upper", decimal(angles.high))) if angles else ()
+        ends = _ends(wheel, angles)
         steering = Body(
-            wheel, "steer", BASE, at, yaw, decimal(FORK), _moments(FORK, *ball),
-            "revolute" if ends else "continuous", axes=("0 0 1",),
+            wheel, "steer", robot.frame, at, yaw, decimal(FORK), _moments(FORK, *ball),
+            "revolute" if ends else "continuous", axes=(_axis(wheel, "steer"),),
             **_jointed(robot, wheel, "steer", "steer_rate", ends),
         )  # fmt: skip
         yield steering
@@ -130,9 +131,23 @@ def _bodies(robot: Robot, wheel: Wheel) -> Iterator[Body]:
     grips, remarks = _rollers(wheel) if wheel.kind.rollers else ((), ())
     yield Body(
         wheel, "spin", below, at, yaw, decimal(WHEEL), _moments(WHEEL, r**2 / 4, width**2 / 12, r**2 / 4),
-        "continuous", "cylinder", (*radius, ("length", decimal(width))), _roles(grips), ("0 1 0",), remarks=remarks,
-        **_jointed(robot, wheel, "spin", "spin", ()),
+        "continuous", "cylinder", (*radius, ("length", decimal(width))), _roles(grips), (_axis(wheel, "spin"),),
+        remarks=remarks, **_jointed(robot, wheel, "spin", "spin", ()),
     )  # fmt: skip
+
+
+def _axis(wheel: Wheel, part: str) -> str:
+    """Return the axis of a joint in its link: upright for steering, to the left for spin, or opposite."""
+    sign = wheel.joint_name(part).sign
+    return decimals(0, 0, sign) if part == "steer" else decimals(0, sign, 0)
+
+
+def _ends(wheel: Wheel, angles: Interval | None) -> Pairs:
+    """Return the limits of a steering joint [rad], as its own axis counts them."""
+    if angles is None:
+        return ()
+    ends = [wheel.joint_name("steer").sign * float(end) for end in (angles.low, angles.high)]
+    return ("lower", decimal(min(ends))), ("upper", decimal(max(ends)))
 
 
 def _roles(frictions: Frictions) -> dict[str, Frictions]:
@@ -145,7 +160,8 @@ def _jointed(robot: Robot, wheel: Wheel, part: str, rate: str, ends: Pairs) -> d
     leads, speed = together[0] is wheel, robot.limit(wheel, rate)
     most = SPEED if speed is None else max(abs(float(speed.low)), abs(float(speed.high)))
     limit = (*ends, ("effort", EFFORT), ("velocity", decimal(most)))
-    ratio = decimal(float(robot.turn_ratio(part, wheel)))
+    sign = wheel.joint_name(part).sign * together[0].joint_name(part).sign
+    ratio = decimal(sign * float(robot.turn_ratio(part, wheel)))
     return {
         "limits": (limit,) if ends or speed is not None else (),
         "leaders": () if leads else ((joint_of(together[0], part), ratio),),

@@ -12,7 +12,6 @@ from typing import Any
 
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.tools.controllers import ros2_controller
-from wmrgen.tools.exporting.bodies import BASE
 from wmrgen.tools.exporting.drives import drive_with, limits_of, refusing
 from wmrgen.tools.exporting.text import banner, decimal
 from wmrgen.tools.exporting.urdf import urdf
@@ -34,7 +33,7 @@ def ros2_control(robot: Robot) -> dict[str, str]:
         "joint_state_broadcaster": {"type": "joint_state_broadcaster/JointStateBroadcaster"},
         NAME: {"type": record.name},
     }
-    own: dict[str, Any] = {"base_frame_id": BASE, "odom_frame_id": "odom"}
+    own: dict[str, Any] = {"base_frame_id": robot.frame, "odom_frame_id": "odom"}
     for path, value in values.items():
         *groups, key = path.split(".")
         place = own

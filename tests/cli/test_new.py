@@ -196,7 +196,13 @@ def test_a_drive_has_nothing_but_its_wheels(wmrgen_cli: Cli, here: Path, kind: s
     assert {wheel["type"] for wheel in written["wheels"]} <= {"fixed", "steered", "swedish"}
     linted = wmrgen_cli("lint", "mine.yaml")
     assert (linted.code, linted.out) == (0, "1 robot: no findings\n")
-    freedom = {"differential": (2, 0), "steered": (1, 1), "swerve": (1, 2), "omni": (3, 0), "mecanum": (3, 0)}
+    freedom = {
+        "differential": (2, 0),
+        "ackermann": (1, 1),
+        "swerve": (1, 2),
+        "omni": (3, 0),
+        "mecanum": (3, 0),
+    }
     mobility = wmrgen.derive(wmrgen.load(here / "mine.yaml")).mobility
     assert (mobility.degree_of_mobility, mobility.degree_of_steerability) == freedom[kind]
 

@@ -252,7 +252,7 @@ def terms_of_plugin(record: ControllerType, controller: Controller, elements: Ma
         for term, (place, *_) in record.places.items():
             words = named.role.split()
             same_kind = named.steers == (term in record.steering)
-            if same_kind and words and set(place.split()) - {"fixed", "steered"} <= set(words):
+            if same_kind and words and set(place.split()) - {"rigid", "steering"} <= set(words):
                 joints[term] = (*joints.get(term, ()), NamedJoint(named.joint, named.mark))
     return Terms(numbers, joints, parameters, complete=False)
 

@@ -53,7 +53,7 @@ class ControllerType:
     commands: Callable[[Numbers, Twist], Commands]
     places: Mapping[
         str, tuple[str, ...]
-    ]  # term of joints -> words for each joint's wheel, such as "fixed right"
+    ]  # term of joints -> words for each joint's wheel, such as "rigid right"
     lengths: Mapping[str, str] = field(default_factory=dict)  # term -> key of the robot's lengths
     factors: Mapping[str, tuple[str, ...]] = field(
         default_factory=dict

@@ -149,7 +149,7 @@ def _joints(wheel: Wheel) -> str:
     """Return the names of the wheel's joints as YAML; "" if all are as they would be without this key."""
     entries = []
     for joint, name in wheel.joints.items():
-        own = wheel.steer_joint if joint == "steer" else wheel.joint
+        own = (wheel.steer_joint if joint == "steer" else wheel.joint) or ""
         if joint in WHEEL_TYPES[wheel.type].joints and is_outer_name(own):
             entries += [f"{joint}: {_as_yaml(name)}"] * (name != f"{wheel.name}_{joint}")
     return "{" + ", ".join(entries) + "}" if entries else ""

@@ -99,6 +99,7 @@ def test_the_gallery_comes_back(path: Path, kind: str, tmp_path: Path) -> None:
     same(robot, imported)
     assert asked(robot, imported) == []
     file = text(imported, "again.urdf").replace("actuated: TODO", "actuated: []")
+    file = file.replace("type: TODO", "type: fixed")  # the answer for a robot that skids
     (tmp_path / "again.yaml").write_text(file, encoding="utf-8")
     once, again = wmrgen.derive(robot).mobility, wmrgen.derive(wmrgen.load(tmp_path / "again.yaml")).mobility
     assert (again.robot_type, again.degenerate) == (once.robot_type, once.degenerate)

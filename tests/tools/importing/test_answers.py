@@ -84,7 +84,7 @@ def test_a_type_may_be_answered_with_the_keys_that_it_needs(wmrgen_cli: Cli, des
 
 @pytest.mark.parametrize(
     ("name", "written"),
-    [("-left_wheel_joint", None), ("null", "'null'"), ("12", "'12'"), ("a/b.c", "a/b.c"), ("a: b", "'a: b'")],
+    [("-left_wheel_joint", None), ("null", "null"), ("12", "'12'"), ("a/b.c", "a/b.c"), ("a: b", "'a: b'")],
 )
 def test_a_name_of_a_joint_is_text_and_no_sign(
     tmp_path: Path, wmrgen_cli: Cli, name: str, written: str | None

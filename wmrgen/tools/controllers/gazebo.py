@@ -44,7 +44,7 @@ def ackermann(t: Numbers, twist: Twist) -> Commands:
     return result
 
 
-SYSTEMS = (
+TYPES = (
     ControllerType(
         "DiffDrive",
         "differential",
@@ -113,4 +113,3 @@ SYSTEMS = (
         tag="ackermann-steering",
     ),
 )
-TYPES = SYSTEMS

@@ -23,7 +23,6 @@ _SAME = 1e-9  # [rad]
 _WIDTH = 100
 _KINDS_OF_JOINT = re.compile("((?i:_(joint|link|wheel|spin|axle|hinge))|Joint|Link|Wheel|Spin|Axle|Hinge)+$")
 _UNQUOTED = re.compile("-?[A-Za-z_/][A-Za-z0-9_./-]*")  # what YAML reads as text in a mapping
-_WORDS = frozenset("null true false yes no on off y n".split())  # but for these
 _MOST = 28  # characters, which leave room for a number
 
 
@@ -156,9 +155,8 @@ def _joints(wheel: Wheel) -> str:
 
 
 def _as_yaml(name: str) -> str:
-    """Return a name with quotes, unless all readers of YAML take it for text."""
-    plain = _UNQUOTED.fullmatch(name) and name.lower() not in _WORDS
-    return name if plain else f"'{name}'"
+    """Return a name as YAML, with quotes if it needs them."""
+    return name if _UNQUOTED.fullmatch(name) else f"'{name}'"
 
 
 def _length(value: Fraction) -> str:

@@ -169,7 +169,7 @@ def _jointed(robot: Robot, wheel: Wheel, part: str, rate: str, ends: Pairs) -> d
 
 
 def _rollers(wheel: Wheel) -> tuple[Frictions, tuple[str]]:
-    """Return the friction along the axis of the roller at the ground, in the frame of the robot, which stays upright."""
+    """Return the friction along the axis of the roller at the ground, in the frame of the robot."""
     ch, sh, cg, sg = (float(getattr(wheel.nominal, name)) for name in ("ch", "sh", "cg", "sg"))
     axis = decimals(ch * cg - sh * sg, sh * cg + ch * sg, 0)
     text = "from the rolling direction to the axis of the roller at the ground"

@@ -1,4 +1,4 @@
-"""The tables of docs/benchmarks.md: ``python -m benchmarks processor``; ``--update`` writes them there."""
+"""The tables of docs/benchmarks_laboratory.md: ``python -m benchmarks processor``; ``--update`` writes them there."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from benchmarks import footprint, processor, small
 from benchmarks.others import wpilib
 from wmrgen.derivation.artifacts import write_file
 
-PAGE = Path(__file__).resolve().parent.parent / "docs" / "benchmarks.md"
+PAGE = Path(__file__).resolve().parent.parent / "docs" / "benchmarks_laboratory.md"
 BEGIN = "<!-- begin: python -m benchmarks processor --update -->"
 END = "<!-- end -->"
 

@@ -24,7 +24,7 @@ root_doc = "docs/index"
 include_patterns = [
     "docs/**",
     "*.md",
-    "tests/README.md",
+    "tests/*.md",
     "examples/README.md",
     "generated/*.md",
     "generated/*/*.md",

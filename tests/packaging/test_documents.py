@@ -16,7 +16,7 @@ from wmrgen.functions.registry import names
 DOCUMENTS = (
     *(p for p in sorted(ROOT.glob("*.md"))),
     *sorted((ROOT / "docs").glob("*.md")),
-    ROOT / "tests" / "README.md",
+    *sorted((ROOT / "tests").glob("*.md")),
     ROOT / "examples" / "README.md",
     *sorted((ROOT / "generated").rglob("*.md")),
 )

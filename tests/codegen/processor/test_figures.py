@@ -1,4 +1,4 @@
-"""Claims of the tables in docs/benchmarks.md: few instructions, the same for every input, far fewer than CasADi's."""
+"""Claims of docs/benchmarks_laboratory.md: few instructions, the same for every input, far fewer than CasADi's."""
 
 from __future__ import annotations
 
@@ -36,6 +36,26 @@ def test_the_page_has_every_row() -> None:
         assert all(f"wmrgen, {math}" in line for line in headings[:4])
     assert rows[ODOMETRY.layout, ODOMETRY.function] == 1
     assert all(re.search(r"\d", "".join(row[2:])) for row in figures.rows(text))
+
+
+def tables(text: str) -> list[list[dict[str, str]]]:
+    """Return the Markdown tables of ``text``: for each row its cells by the headings of their columns."""
+    found: list[list[dict[str, str]]] = []
+    for block in re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE):
+        heading, _, *lines = [[c.strip() for c in line.strip("|").split("|")] for line in block.splitlines()]
+        found.append([dict(zip(heading, cells, strict=True)) for cells in lines])
+    return found
+
+
+def test_the_page_for_users_has_figures_of_the_laboratory() -> None:
+    """Each row about a layout is part of a row in the one table that has all its columns."""
+    laboratory = tables(PAGE.read_text(encoding="utf-8"))
+    short = [t for t in tables((PAGE.parent / "benchmarks.md").read_text("utf-8")) if "layout" in t[0]]
+    assert len(short) == 3 and all(len(table) >= 5 for table in short)
+    for table in short:
+        (whole,) = [t for t in laboratory if t[0].keys() >= table[0].keys()]
+        for row in table:
+            assert any(row.items() <= other.items() for other in whole), row
 
 
 def test_update_replaces_what_stands_between_the_markers(tmp_path: Path) -> None:

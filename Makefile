@@ -57,6 +57,7 @@ generate: setup
 	$(BIN)/wmrgen schema > robots/robot.schema.json
 	$(BIN)/python -m tests.gallery.table
 	$(BIN)/python -m tests.packaging.python_page
+	$(BIN)/python -m tests.packaging.feature_page
 
 # Build docs/, README and the reports as a site: build/docs/docs/index.html.
 docs: $(VENV)/.docs

@@ -80,12 +80,14 @@ def test_modules_named_on_the_page_of_the_architecture_exist() -> None:
     assert not missing
 
 
-def test_words_of_the_glossary_are_names_in_the_code() -> None:
+def test_terms_of_the_glossary_are_in_order_and_names_in_the_code() -> None:
     text = (ROOT / "docs" / "GLOSSARY.md").read_text(encoding="utf-8")
     rows = [line.split("|") for line in text.splitlines() if line.startswith("| ") and "`" in line]
     source = "\n".join(p.read_text(encoding="utf-8") for p in sorted((ROOT / "wmrgen").rglob("*.py")))
     words = set(re.findall(r"\w+", source)) | {p.stem for p in (ROOT / "wmrgen").rglob("*")}
     assert len(rows) > 60 and all(row[4].strip() for row in rows)
+    terms = [re.sub(r"[^a-z0-9 ]", "", row[1].lower()).strip() for row in rows]
+    assert terms == sorted(terms)
     assert not [w for row in rows for w in re.findall(r"`(\w+)`", row[2]) if w not in words]
 
 

@@ -22,9 +22,8 @@ from typing import Any
 
 from tests.conftest import DIFFERENTIAL, ROOT, Outcome
 
-# Pages that a program makes, each held by a test of its own: tests/cli/page.py, tests/tools/lint/page.py, `wmrgen
-# schema`.
-MADE = ("command_line.md", "lint.md", "robot_file.md")
+# Generated pages whose blocks other tests check: tests/cli/page.py, tests/tools/lint/page.py.
+MADE = ("command_line.md", "lint.md")
 PAGES = (ROOT / "README.md", *(p for p in sorted((ROOT / "docs").glob("*.md")) if p.name not in MADE))
 NOTES = ("file", "in", "exit", "slow", "needs", "run by", "not run")
 _BLOCK = re.compile(r"^(?:<!-- ([^\n]*) -->\n)?```([\w+]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)

@@ -23,11 +23,11 @@ from wmrgen.errors import Code, Mark, RobotFileError
 from wmrgen.functions.control.gains import TEXTBOOK
 from wmrgen.functions.registry import check, optional_names
 from wmrgen.geometry.layout import build
-from wmrgen.robotfile.fields import Amount, Field
+from wmrgen.robotfile.fields import Amount, Field, Interval, ListOf, Name, OneOf, OuterName, Text, Version
 from wmrgen.robotfile.keys import GAINS, JOINTS, ROBOT, SECTIONS, VIRTUAL, WHEEL
 from wmrgen.robotfile.numbers import Kind, spellings_of
 from wmrgen.robotfile.quantities import parse_value
-from wmrgen.robotfile.reference import example, mistake, reference
+from wmrgen.robotfile.reference import example, reference
 from wmrgen.robotfile.schema import MODELINE, SCHEMA_FILE, json_schema
 from wmrgen.robotfile.text import Scalar
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES
@@ -303,6 +303,38 @@ def _beside_in_a_wheel(key: str) -> list[str]:
 
 _NAMES = ("a", "b", "front_left", "front_right")
 KEYS = [(title, f) for title, section in SECTIONS.items() for f in section.fields]
+
+
+# An invalid value of each kind of quantity.
+_WRONG = {
+    Kind.LENGTH: "45 deg", Kind.ANGLE: "150 mm", Kind.SPEED: "1.2 m", Kind.RATE: "90 deg",
+    Kind.ACCELERATION: "0.6 m/s", Kind.ANGULAR_ACCELERATION: "200 deg/s", Kind.TIME: "150 mm",
+}  # fmt: skip
+
+
+def mistake(field: Field) -> tuple[str, Code]:
+    """Return an invalid ``key: value``, and the code of its error."""
+    key = field.key
+    match field.value:
+        case Name():
+            return f"{key}: front-left", Code.NAME
+        case OuterName():
+            return f"{key}: wheel*", Code.NAME
+        case ListOf(OneOf("wheel" | "function")):
+            return f"{key}: [none]", Code.UNDECLARED
+        case ListOf(OneOf()):
+            return f"{key}: [none]", Code.FORM
+        case Amount(Kind.ANY):
+            return f"{key}: half", Code.UNDECLARED
+        case Amount(kind):
+            return f"{key}: {_WRONG[kind]}", Code.FORM
+        case Interval():
+            return f"{key}: [1, 0]", Code.VALUE
+        case Version():
+            return f"{key}: 2", Code.FORM
+        case Text():
+            return f"{key}: [two wheels]", Code.FORM
+    return f"{key}: maybe", Code.FORM
 
 
 @pytest.mark.parametrize(("title", "field"), KEYS, ids=lambda v: v if isinstance(v, str) else v.key)

@@ -140,7 +140,7 @@ class Field:
         None  # the error for a wheel whose type does not have the key; None if all types have it
     )
     joint: str = ""  # the joint that a limit, noise, encoder or lag belongs to; "" is the robot
-    example: str = ""  # a value, if the usual one of its kind makes no sense
+    example: str = ""  # a value for the reference page; not needed if `value` has an example
 
     @property
     def spellings(self) -> tuple[str, ...]:

@@ -34,54 +34,61 @@ LIMITS = Section(
                 ("v", "speed", "velocity", "linear", "max_speed", "max_velocity"),
                 "Write vx: for the forward speed, vy: for the speed to the left, omega: for the yaw rate.",
             ),
+            example="1.2 m/s",
         ),
-        Field("vy", Interval(Kind.SPEED), "speed of P to the left"),
+        Field("vy", Interval(Kind.SPEED), "speed of P to the left", example="0.5 m/s"),
         Field(
             "omega",
             Interval(Kind.RATE),
             "yaw rate",
-            aliases=dict.fromkeys(("w", "wz", "yaw", "yaw_rate", "angular", "turn"), ""),
+            aliases=dict.fromkeys(("w", "wz", "yaw", "yaw_rate", "angular", "turn"), ""), example="180 deg/s",
         ),
         Field(
             "vx_rate",
             Interval(Kind.ACCELERATION),
             "acceleration along x: at most high when the speed increases, at most -low when it decreases (braking); "
             "for "
-            "limit_acceleration and setpoint",
+            "limit_acceleration and setpoint", example="[-1.5, 0.6]",
         ),
-        Field("vy_rate", Interval(Kind.ACCELERATION), "acceleration along y, as vx_rate"),
-        Field("omega_rate", Interval(Kind.ANGULAR_ACCELERATION), "yaw acceleration, as vx_rate"),
-        Field("spin", Interval(Kind.RATE), "rate of a wheel about its axle", joint="spin"),
+        Field("vy_rate", Interval(Kind.ACCELERATION), "acceleration along y, as vx_rate", example="0.6"),
+        Field("omega_rate", Interval(Kind.ANGULAR_ACCELERATION), "yaw acceleration, as vx_rate", example="200 deg/s^2"),
+        Field("spin", Interval(Kind.RATE), "rate of a wheel about its axle", joint="spin", example="120 rpm"),
         Field(
             "steer",
             Interval(Kind.ANGLE),
             "steering angle; inverse commands only angles in this range. Coupled wheels must satisfy the limits of "
             "all of "
             "them",
-            joint="steer",
+            joint="steer", example="[-35 deg, 40 deg]",
         ),
         Field(
             "steer_rate",
             Interval(Kind.RATE),
             "rate of a steering angle, which steer_toward does not exceed",
-            joint="steer",
+            joint="steer", example="90 deg/s",
         ),
         Field(
             "spin_rate", Interval(Kind.ANGULAR_ACCELERATION), "angular acceleration of a wheel about its axle",
             joint="spin",
-            aliases=dict.fromkeys(("spin_acceleration", "wheel_acceleration"), ""),
+            aliases=dict.fromkeys(("spin_acceleration", "wheel_acceleration"), ""), example="60",
         ),
         Field(
             "steer_acceleration", Interval(Kind.ANGULAR_ACCELERATION), "angular acceleration of a steering angle",
             joint="steer",
-            aliases=dict.fromkeys(("steer_rate_rate", "steering_acceleration"), ""),
+            aliases=dict.fromkeys(("steer_rate_rate", "steering_acceleration"), ""), example="500 deg/s^2",
         ),
     ),
 )  # fmt: skip
 
 
-def _noise_of(kind: Kind, example: str) -> Section:
-    """Return the section for the noise of joints; ``kind`` is what the constant part measures."""
+def _noise_of(kind: Kind, constant: str, example: str) -> Section:
+    """Return the section for the noise of joints.
+
+    Args:
+        kind: The quantity of the constant part.
+        constant: An example of the constant part.
+        example: An example of the section.
+    """
     return Section(
         "the noise of a joint",
         example,
@@ -92,14 +99,15 @@ def _noise_of(kind: Kind, example: str) -> Section:
             ),
             Field(
                 "constant", Amount(kind), "standard deviation that does not depend on the value", default="0",
+                example=constant,
                 aliases=dict.fromkeys(("sigma", "std", "stddev", "absolute"), ""),
             ),
         ),
     )  # fmt: skip
 
 
-RATE_NOISE = _noise_of(Kind.RATE, "spin: {proportional: 0.02, constant: 0.01 rad/s}")
-ANGLE_NOISE = _noise_of(Kind.ANGLE, "steer: {constant: 0.5 deg}")
+RATE_NOISE = _noise_of(Kind.RATE, "0.01 rad/s", "spin: {proportional: 0.02, constant: 0.01 rad/s}")
+ANGLE_NOISE = _noise_of(Kind.ANGLE, "0.5 deg", "steer: {constant: 0.5 deg}")
 NOISE = Section(
     "noise",
     "noise: {spin: {proportional: 0.02, constant: 0.01 rad/s}, steer: {constant: 0.5 deg}}",
@@ -119,7 +127,7 @@ GYRO = Section(
             "weight", Amount(Kind.ANY, "1"),
             "weight in the least squares of forward: 1 is the weight of a wheel at the mean distance of the sensed "
             "wheels from their centre, 100 that of a sensor with a tenth of the noise",
-            default="1",
+            default="1", example="100",
         ),
     ),
 )  # fmt: skip
@@ -207,7 +215,7 @@ LAG = Section(
         Field(
             "steer", Amount(Kind.TIME),
             "time constant with which a steering angle follows its command: steer' = (command - steer)/lag",
-            joint="steer",
+            joint="steer", example="150 ms",
         ),
     ),
 )  # fmt: skip
@@ -250,11 +258,11 @@ VIRTUAL = Section(
     "a virtual wheel",
     "{name: front, steers: [front_left, front_right]}",
     (
-        Field("name", Name(), "name of the virtual wheel", required=True, missing=A_NAME),
+        Field("name", Name(), "name of the virtual wheel", required=True, missing=A_NAME, example="front"),
         Field("steers", _WHEELS, "wheels that its angle, `name.steer`, steers (an Ackermann pair)"),
         Field("drives", _WHEELS, "wheels that its speed, `name.speed`, drives"),
-        Field("x", _LENGTH, "its position forward of P; with y", default=_MIDDLE, missing=_X_AND_Y),
-        Field("y", _LENGTH, "its position left of P; with x", default=_MIDDLE, missing=_X_AND_Y),
+        Field("x", _LENGTH, "its position forward of P; with y", default=_MIDDLE, missing=_X_AND_Y, example="0.3"),
+        Field("y", _LENGTH, "its position left of P; with x", default=_MIDDLE, missing=_X_AND_Y, example="0"),
     ),
     (
         Choice(
@@ -271,15 +279,16 @@ TRAILER = Section(
     "a trailer",
     "{length: 1.1, hitch: 0}",
     (
-        Field("name", Name(), "name of the trailer", default="trailer1, trailer2, …"),
+        Field("name", Name(), "name of the trailer", default="trailer1, trailer2, …", example="cart"),
         Field(
             "length",
             _LENGTH,
             "distance from its hitch to its axle",
             required=True,
             aliases=dict.fromkeys(("l", "wheelbase", "drawbar"), ""),
+            example="1.1",
         ),
-        Field("hitch", _LENGTH, "distance of its hitch behind the axle in front", default="0"),
+        Field("hitch", _LENGTH, "distance of its hitch behind the axle in front", default="0", example="0.3"),
     ),
 )
 
@@ -287,9 +296,9 @@ CG = Section(
     "cg",
     "cg: {x: 0, y: 0, z: 0.3}",
     (
-        Field("x", _LENGTH, "position forward of P", required=True),
-        Field("y", _LENGTH, "position left of P", required=True),
-        Field("z", _LENGTH, "height above the ground", required=True),
+        Field("x", _LENGTH, "position forward of P", required=True, example="0.05"),
+        Field("y", _LENGTH, "position left of P", required=True, example="0"),
+        Field("z", _LENGTH, "height above the ground", required=True, example="0.3"),
     ),
 )
 
@@ -297,9 +306,15 @@ GAINS = Section(
     "gains",
     "gains: {k_rho: 3, k_alpha: 8, k_beta: -1.5}",
     (
-        Field("k_rho", _GAIN, "speed per distance to the goal, for goto_pose", default="3"),
-        Field("k_alpha", _GAIN, "yaw rate per bearing of the goal, for goto_pose", default="8"),
-        Field("k_beta", _GAIN, "yaw rate per heading error at the goal, for goto_pose", default="-1.5"),
+        Field("k_rho", _GAIN, "speed per distance to the goal, for goto_pose", default="3", example="2"),
+        Field("k_alpha", _GAIN, "yaw rate per bearing of the goal, for goto_pose", default="8", example="6"),
+        Field(
+            "k_beta",
+            _GAIN,
+            "yaw rate per heading error at the goal, for goto_pose",
+            default="-1.5",
+            example="-1",
+        ),
     ),
 )
 
@@ -317,7 +332,8 @@ PARAMETER = Section(
     "{value: 0.1, tunable: true}",
     (
         Field(
-            "value", Amount(Kind.ANY), "the value, which may use other parameters", required=True, example="0.1",
+            "value", Amount(Kind.ANY), "the value, which may use other parameters", required=True,
+            example="0.1",
         ),
         Field(
             "tunable", Word(YES, "false", interval=Kind.ANY),
@@ -333,39 +349,40 @@ WHEEL = Section(
     (
         Field(
             "name", Name(), "name of the wheel and of its joints, `name.spin` and `name.steer`", required=True,
-            missing=A_NAME,
+            missing=A_NAME, example="left",
         ),
         Field(
             "type", OneOf("type"), "type of the wheel", required=True, aliases={"kind": ""},
             missing=("The type decides which motions the wheel allows.", "Write type: and one of {types}."),
+            example="fixed",
         ),
         Field(
             "l", _LENGTH, "distance from the robot's origin P to the wheel's pivot; with alpha",
             aliases={"distance": ""},
-            missing=(_POLAR, "Write l: and the distance from the origin to the pivot."),
+            missing=(_POLAR, "Write l: and the distance from the origin to the pivot."), example="12 cm",
         ),
         Field(
             "alpha", _ANGLE, "direction of the pivot seen from P, 0 is forward, pi/2 left; with l", greek="α",
-            missing=(_POLAR, "Write alpha: and the direction of the pivot from the origin."),
+            missing=(_POLAR, "Write alpha: and the direction of the pivot from the origin."), example="60 deg",
         ),
         Field(
             "x", _LENGTH, "pivot position forward of P; with y",
             aliases=dict.fromkeys(("pos", "position", "pose", "xy"), "Write x: and y:.")
             | dict.fromkeys(("pos_x", "position_x", "x_pos"), ""),
-            missing=(_CARTESIAN, "Write x: and the distance forward of the origin."),
+            missing=(_CARTESIAN, "Write x: and the distance forward of the origin."), example="20 cm",
         ),
         Field(
             "y", _LENGTH, "pivot position left of P; with x",
             aliases=dict.fromkeys(("pos_y", "position_y", "y_pos"), ""),
-            missing=(_CARTESIAN, "Write y: and the distance left of the origin."),
+            missing=(_CARTESIAN, "Write y: and the distance left of the origin."), example="-15 cm",
         ),
         Field(
             "beta", _ANGLE, "angle of the axle from the line from P to the pivot; for a steered wheel, at steer = 0",
-            greek="β",
+            greek="β", example="pi",
         ),
         Field(
             "heading", _ANGLE, "rolling direction in the robot frame, alpha + beta - pi/2; instead of beta",
-            aliases=dict.fromkeys(("theta", "yaw", "orientation", "angle", "direction"), ""),
+            aliases=dict.fromkeys(("theta", "yaw", "orientation", "angle", "direction"), ""), example="90 deg",
         ),
         Field(
             "r", _LENGTH, "wheel radius, not diameter", example="50 mm",
@@ -384,6 +401,7 @@ WHEEL = Section(
                 "gamma is the angle of the rollers; only swedish wheels have rollers.",
                 f"{_NO_ROLLERS} gamma.",
             ),
+            example="-45 deg",
         ),
         Field(
             "d", _LENGTH,
@@ -396,6 +414,7 @@ WHEEL = Section(
                 "Write d: -40 mm for a wheel that trails its steering axis by 40 mm, or type: steered.",
             ),
             misfit=("d is the offset of a castor from its steering axis; this wheel has none.", _NO_STEERING_AXIS),
+            example="-40 mm",
         ),
         Field(
             "offset_y", _LENGTH, "distance of the contact point left of the steering axis, along the axle", default="0",
@@ -404,6 +423,7 @@ WHEEL = Section(
                 "offset_y is the lateral offset from the steering axis; this wheel has no steering axis.",
                 _NO_STEERING_AXIS,
             ),
+            example="15 mm",
         ),
         Field(
             "per_steer", Amount(Kind.ANY, "1"),
@@ -415,11 +435,13 @@ WHEEL = Section(
                 "per_steer couples a drive to the steering of its wheel; this wheel does not steer.",
                 _NO_STEERING_AXIS,
             ),
+            example="0.25",
         ),
         Field(
             "r_sw", _LENGTH, "roller radius, for the function contacts",
             aliases=dict.fromkeys(("roller_radius", "r_roller"), ""),
             misfit=("r_sw is the roller radius; only swedish wheels have rollers.", f"{_NO_ROLLERS} r_sw."),
+            example="6 mm",
         ),
         Field(
             "driven",
@@ -448,7 +470,7 @@ WHEEL = Section(
         Field(
             "weight", Amount(Kind.ANY, "1"),
             "weight of the wheel in the least squares of forward: 1/4 means twice the noise of a wheel with weight 1",
-            default="1",
+            default="1", example="1/4",
         ),
         Field("limits", LIMITS, "limits of this wheel's joints, in place of those of the robot", example="{spin: 20}"),
         Field("noise", NOISE, "noise of this wheel's joints, in place of that of the robot"),
@@ -486,10 +508,13 @@ ROBOT = Section(
         ),
         Field(
             "name", Name(), "name of the robot and of its files", required=True, missing=A_NAME,
-            aliases=dict.fromkeys(("robot", "title", "model"), ""),
+            aliases=dict.fromkeys(("robot", "title", "model"), ""), example="my_robot",
         ),
-        Field("description", Text(2_000), "which robot it is, for the banner and the report"),
-        Field("source", Text(2_000), "source of the dimensions"),
+        Field(
+            "description", Text(2_000), "which robot it is, for the banner and the report",
+            example="warehouse cart, second prototype",
+        ),
+        Field("source", Text(2_000), "source of the dimensions", example="drawing 17-3, measured under load"),
         Field(
             "frame", OuterName(False), "name of the robot frame in other tools", default="`base_link`",
             example="chassis_base", aliases=dict.fromkeys(("base", "base_frame", "base_link", "frame_id"), ""),
@@ -508,7 +533,7 @@ ROBOT = Section(
         ),
         Field(
             "tolerance", _LENGTH, "fixed axles that are at most this far apart are treated as one axle; 0 for none",
-            default="1 mm per metre of the robot's size",
+            default="1 mm per metre of the robot's size", example="2 mm",
         ),
         Field("parameters", Mapped(PARAMETER, 256), "named lengths, angles and numbers"),
         Field(
@@ -536,6 +561,7 @@ ROBOT = Section(
         Field(
             "deadband", Amount(Kind.ANY, "1"),
             "share of the limits of vx, vy and omega below which limit_twist treats a twist as standstill", default="0",
+            example="0.02",
         ),
         Field(
             "gyro", GYRO,
@@ -554,6 +580,7 @@ ROBOT = Section(
                 ("track", "track_width", "wheel_separation", "wheelbase", "wheel_base"),
                 "Write x: and y: of each wheel; y of a left wheel is half the track.",
             ),
+            example="0.6",
         ),
         Field("virtual", ListOf(VIRTUAL), "virtual wheels, each of which represents several real wheels"),
         Field("trailers", ListOf(TRAILER, most=16), "trailers, from the robot backwards"),
@@ -572,6 +599,7 @@ ROBOT = Section(
         Field(
             "functions", ListOf(OneOf("function"), "[dynamics]", once=True),
             "functions to generate in addition to those that every robot has",
+            example="[limit_twist, desaturate]",
         ),
     ),
 )  # fmt: skip

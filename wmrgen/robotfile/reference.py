@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from wmrgen.errors import Code
 from wmrgen.robotfile.fields import (
     Amount,
     Choice,
@@ -27,26 +26,90 @@ from wmrgen.robotfile.schema import SI
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES
 from wmrgen.robotfile.wheels import takes
 
-# For each kind of quantity, a valid and an invalid value.
-_AMOUNTS = {
-    Kind.LENGTH: ("150 mm", "45 deg"), Kind.ANGLE: ("45 deg", "150 mm"), Kind.SPEED: ("1.2 m/s", "1.2 m"),
-    Kind.RATE: ("90 deg/s", "90 deg"), Kind.ACCELERATION: ("0.6", "0.6 m/s"),
-    Kind.ANGULAR_ACCELERATION: ("200 deg/s^2", "200 deg/s"), Kind.TIME: ("150 ms", "150 mm"),
-}  # fmt: skip
 _HEAD = """\
-# Robot files
+# Robot files: a guide, and every key
 
-A robot file is a page of YAML (UTF-8, at most 256 KiB; no anchors, tags or directives). It is data and is never
-executed. The robot frame has its origin at P, x forward and y left; angles are counter-clockwise.
-`wmrgen schema` prints the JSON Schema of these keys, and `wmrgen schema --markdown` prints this page. Both come from
-the table that the reader uses.
+A robot file is a page of YAML that lists the wheels of a robot (UTF-8, at most 256 KiB; no anchors, tags or
+directives). It is data and is never executed. A [tutorial](first_robot.md) writes one for each kind of drive. This
+page explains the keys in the order in which most people need them. The [tables](#the-file) list all keys.
 
-A quantity is a number (`0.15`), a number with a unit (`150 mm`, `45 deg`) or an expression of `+ - * / **`,
-`sqrt sin cos tan atan2`, `pi` and parameters. Without a unit, it is in SI units; the key `angles` gives the unit of
-angles. Fractions and roots remain exact.
+`wmrgen schema --markdown` prints this page, and `wmrgen schema` prints the JSON Schema, from the table that the
+reader uses.
 
-For each key, the tables show a valid value, and an invalid value with the code of its error (`wmrgen explain CODE`).
-A missing required key is WMR103, an unknown key is WMR102.
+## Guide
+
+**The smallest file** has a version, a name and wheels:
+
+```yaml
+wmrgen: 1
+name: cart
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 16 cm,  heading: 0, r: 5 cm}
+  - {name: right, type: fixed, x: 0, y: -16 cm, heading: 0, r: 5 cm}
+```
+
+**Position.** P is the origin of the robot frame. x points forward and y to the left. Write the position of a wheel as
+`x` and `y`, or as the distance `l` and the direction `alpha` seen from P. For a wheel that steers or swings, this is
+the position of the steering axis.
+
+**Direction.** `heading` is the direction in which the wheel rolls at a positive speed: 0 is forward, `90 deg` is
+left. Textbooks use `beta` in its place. Angles are counter-clockwise.
+
+**Type.** Choose the type by the wheel:
+
+| wheel | write |
+|---|---|
+| ordinary wheel that does not steer | `type: fixed` |
+| wheel with a steering axis through its contact | `type: steered` |
+| caster that swings behind its steering axis | `type: castor`, with `d` |
+| omni wheel | `type: swedish` |
+| mecanum wheel | `type: swedish`, with `gamma` |
+| ball | `type: spherical` |
+
+**Motors and sensors.** `actuated` lists the driven joints of a wheel, and `sensed` the measured joints. The front
+wheels of a car have `actuated: [steer]`. A wheel without a motor has `actuated: []`.
+
+**Quantities.** A quantity is a number (`0.15`), a number with a unit (`150 mm`, `45 deg`) or an expression. Expressions
+may use `+ - * / **`, `sqrt sin cos tan atan2`, `pi` and parameters. Without a unit, a quantity is in SI units; the key
+`angles` gives the unit of angles. Fractions and roots remain exact.
+
+UNITS
+
+**Parameters** are names for numbers. A tunable parameter remains an input of the generated code, so that you can
+calibrate it:
+
+```yaml
+wmrgen: 1
+name: cart
+parameters: {track: 32 cm, radius: {value: 5 cm, tunable: true}}
+wheels:
+  - {name: left,  type: fixed, x: 0, y: track/2,  heading: 0, r: radius}
+  - {name: right, type: fixed, x: 0, y: -track/2, heading: 0, r: radius}
+```
+
+**More functions** need more keys, and are listed under `functions`:
+
+| to get | add | and write |
+|---|---|---|
+| speeds inside the limits of the robot | `limits` with `vx`, `omega`, `spin` | `functions: [limit_twist, desaturate]` |
+| smooth acceleration | `limits` with `vx_rate`, `omega_rate` | `functions: [limit_acceleration]` |
+| wheel speeds from encoder counts | `encoder` | `functions: [joints_from_counts]` |
+| the covariance of the pose | `noise` | `functions: [forward_covariance, odometry_covariance]` |
+| correct turns of a robot that skids | `effective_track` | |
+| the names of joints in ROS 2 | `joints` of the wheels, `frame` | |
+| trailers | `trailers` | `functions: [trailer]` |
+| the margin against tipping over | `cg` | `functions: [stability]` |
+
+```yaml
+limits: {vx: 1.2 m/s, omega: 180 deg/s, spin: 25, vx_rate: 0.6, omega_rate: 4}
+encoder: {spin: {counts: 2048, gear: 30}}
+noise: {spin: {proportional: 0.02, constant: 0.02 rad/s}}
+functions: [limit_twist, limit_acceleration, desaturate, joints_from_counts, forward_covariance, odometry_covariance]
+```
+
+**When something is wrong**, the message names the line and what to write. An unknown key is [WMR102](lint.md#wmr102),
+a missing key [WMR103](lint.md#wmr103), a value of the wrong type [WMR104](lint.md#wmr104). `wmrgen lint` reports
+likely mistakes in a valid file.
 """
 _ONE_OF = {
     "joint": "joints: `spin`, `steer`", "wheel": "names of wheels", "wheel.joint": "joints, as `left.steer`",
@@ -56,7 +119,7 @@ _ONE_OF = {
 
 def reference() -> str:
     """Return the page ``docs/robot_file.md``."""
-    lines = [_HEAD, *_units(), ""]
+    lines = [_HEAD.replace("UNITS", "\n".join(_units()))]
     for title, section in SECTIONS.items():
         lines += [f"## {title}", "", f"Example: `{section.example}`", "", *_table(section), ""]
         if section is WHEEL:
@@ -76,38 +139,24 @@ def _units() -> Iterator[str]:
 
 def _table(section: Section) -> Iterator[str]:
     """Yield the table of the keys of a section."""
-    yield "| key | meaning | value | default | example | invalid |"
-    yield "|---|---|---|---|---|---|"
+    yield "| key | meaning | value | default | example |"
+    yield "|---|---|---|---|---|"
     for f in section.fields:
         spelled = " or ".join(f"`{word}`" for word in f.spellings)
-        right, (wrong, code) = example(f), mistake(f)
-        cells = (
-            f.meaning, _in_words(f.value), _default(section, f), f"`{right}`",
-            f"`{wrong}` ([{code}](lint.md#{code.lower()}))",
-        )  # fmt: skip
+        cells = (f.meaning, _in_words(f.value), _default(section, f), f"`{example(f)}`")
         yield f"| {spelled} | {' | '.join(cells)} |"
 
 
 def example(field: Field) -> str:
-    """Return a valid ``key: value``."""
+    """Return a valid ``key: value``. Raise ValueError if neither the key nor its kind of value has an example."""
     key = field.key
     if field.example:
         return f"{key}: {field.example}"
     match field.value:
         case Version(number):
             return f"{key}: {number}"
-        case Name():
-            return f"{key}: front"
-        case OuterName():
-            return f"{key}: left_wheel_joint"
-        case Text():
-            return f"{key}: two wheels and a ball"
         case Word(words, default):
             return f"{key}: {next(word for word in words if word != default)}"
-        case Amount(kind) | Interval(kind):
-            return f"{key}: {_AMOUNTS[kind][0] if kind in _AMOUNTS else field.default}"
-        case OneOf():
-            return f"{key}: fixed"
         case ListOf(Section() as section):
             return f"{key}: [{section.example}]"
         case ListOf(example=text):
@@ -116,31 +165,7 @@ def example(field: Field) -> str:
             return f"{key}: {{track: 0.4, radius: {section.example}}}"
         case Section(example=text):
             return text if text.startswith(f"{key}:") else f"{key}: {text.partition(': ')[2]}"
-
-
-def mistake(field: Field) -> tuple[str, Code]:
-    """Return an invalid ``key: value``, and the code of its error."""
-    key = field.key
-    match field.value:
-        case Name():
-            return f"{key}: front-left", Code.NAME
-        case OuterName():
-            return f"{key}: wheel*", Code.NAME
-        case ListOf(OneOf("wheel" | "function")):
-            return f"{key}: [none]", Code.UNDECLARED
-        case ListOf(OneOf()):
-            return f"{key}: [none]", Code.FORM
-        case Amount(Kind.ANY):
-            return f"{key}: half", Code.UNDECLARED
-        case Amount(kind):
-            return f"{key}: {_AMOUNTS[kind][1]}", Code.FORM
-        case Interval():
-            return f"{key}: [1, 0]", Code.VALUE
-        case Version():
-            return f"{key}: 2", Code.FORM
-        case Text():
-            return f"{key}: [two wheels]", Code.FORM
-    return f"{key}: maybe", Code.FORM
+    raise ValueError(f"the key {key} has no example")
 
 
 def _default(section: Section, field: Field) -> str:

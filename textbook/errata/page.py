@@ -10,18 +10,18 @@ from wmrgen.report.sections.markdown import code, items, math, table
 WIDEST = 700  # characters of LaTeX in a cell
 _PARTS = (
     ("Errors of the text", (Class.ERROR,),
-     "Two copies, of two editions, have these lines, so that a reader of the printed page would have them: the line is "
-     "well formed, contradicts mechanics or the text itself, and none of the usual losses explains it (dots, arrows, "
-     "signs beside a matrix, exponents above an index, letters that look alike)."),
+     "Two copies, of two editions, have these lines, so the printed pages probably have them too. Each line is well "
+     "formed and contradicts mechanics or the text itself. The usual losses of an extraction (dots, arrows, signs "
+     "next to a matrix, exponents above an index, letters that look alike) do not explain it."),
     ("Open: read once", (Class.OPEN,),
-     "As we noted them these lines are well formed and fail, too, and none of the usual losses explains them. But each "
-     "was read once, in one copy, and by nobody again: a slip in our note is not excluded. Until somebody has "
-     "compared them with the printed page nothing here is held against the texts."),
+     "As noted, these lines are well formed and fail, and the usual losses do not explain them. But each line was "
+     "read only once, in one copy, so our note may be wrong. These entries are no criticism of the texts until they "
+     "are compared with the printed page."),
     ("Damage of the copy", (Class.DAMAGE, Class.LIKELY),
-     "What the extraction did to the line, or likely did: nothing here is held against the texts. The lines stand "
-     "here so that nobody computes with them."),
+     "The extraction damaged these lines, or probably did. The entries are no criticism of the texts. They are listed "
+     "so that you do not compute with the damaged lines."),
     ("Read with care", (Class.CARE,),
-     "These lines are right as their authors mean them: under a condition or in a convention that is easily missed."),
+     "These lines are right as their authors mean them, under a condition or in a convention that is easily missed."),
 )  # fmt: skip
 _MARKS = {
     ord(c): text for c, text in (("|", "\\|"), ("_", "\\_"), ("*", "\\*"), ("<", "&lt;"), (">", "&gt;"))
@@ -38,9 +38,9 @@ def blocks() -> list[str]:
             for b in _part(f"## {k} {title}", kinds, text)
         ),
         f"## {len(_PARTS) + 1} What holds",
-        "Each line of our copy, in one notation (of a rule for matrices an instance), agrees identically with what the "
-        "last column names.",
-        *table(("text", "equation", "as checked", "held against"), map(_row, HOLDS), "l"),
+        "Each line of our copy is written in one notation; a rule for matrices is checked in an instance. It agrees "
+        "identically with the formula that the last column names.",
+        *table(("text", "equation", "as checked", "compared with"), map(_row, HOLDS), "l"),
     ]
 
 
@@ -50,14 +50,17 @@ def _opening() -> list[str]:
     ]
     ours, second = sum(bool(r.words) for r in ENTRIES), sum(r.second is not None for r in ENTRIES)
     return [
-        "# Corrections to our copies of five texts",
-        "Our sources are text extractions of the works below; **the printed pages were not seen**, nor the figures. "
-        "What is wrong in a copy may be right in print. The copies themselves are not part of this project: of most "
-        "lines we have only what was noted when they were read, shown as `code`; what stands in “quotation marks” is "
-        f"the wording of a copy, verbatim: of ours in {ours} of the {len(ENTRIES)} entries, of a second copy in "
-        f"{second}, which agrees with ours each time. The others were read once, and say so. Whose mistake a line is "
-        "was judged by people; that it fails, and that the corrected line holds, is computed by the check beside it "
-        "whenever this page is written (by `wmrgen textbook`). Figures at a point are rounded to six digits.",
+        "# Equations of five texts, checked, and corrections to our copies",
+        f"{len(HOLDS)} equations and statements of five texts were checked in symbols, and hold: see "
+        f"[what holds](#{len(_PARTS) + 1}-what-holds). {len(ENTRIES)} lines of our copies are wrong or need care, and "
+        "are corrected here. `wmrgen textbook` computes every check whenever it writes this page.",
+        "Our sources are text extractions of the works below. **We have not seen the printed pages** or the figures. "
+        "A line that is wrong in a copy may be right in print. The copies are not part of this project. An entry "
+        "shows one of two things. `Code` is a note that was made when the line was read. “Quotation marks” "
+        f"contain the wording of a copy, verbatim: our copy in {ours} of the {len(ENTRIES)} entries, and a second copy "
+        f"in {second}, which agrees with ours each time. Lines that were read only once are marked. People judged "
+        "who made a mistake. The check computes that the line fails and that the corrected line holds. Figures at a "
+        "point are rounded to six digits.",
         *table(
             ("part", "entries", "read in two copies", "read once"),
             (
@@ -66,7 +69,6 @@ def _opening() -> list[str]:
             ),
             "lrrr",
         ),
-        f"{len(HOLDS)} equations and statements hold.",
         *items(f"**{name}**: {entry}" for name, entry in BIBLIOGRAPHY.items()),
     ]
 

@@ -51,12 +51,12 @@ def _lines() -> Iterator[str]:
         rows = list(_members(cls))
         if rows:
             yield from (
-                "| name | what it is |",
+                "| name | meaning |",
                 "|:--|:--|",
                 *(f"| {name} | {what} |" for name, what in rows),
                 "",
             )
-    yield from ("### Errors", "", "| name | what it is |", "|:--|:--|")
+    yield from ("### Errors", "", "| name | meaning |", "|:--|:--|")
     for error in (wmrgen.RobotFileError, wmrgen.NotDerivableError):
         yield f"| `{error.__name__}` | {_first(error)} |"
 

@@ -59,7 +59,8 @@ KINDS = {
 }
 LEGEND = f"""\
 {HAS} the robot has the function. {KEY} its file lacks a key that the function needs, such as a limit or an encoder.
-{LACKS} the robot does not have the function for another reason.
+{LACKS} the robot does not have the function for another reason. `contacts` needs `r_sw` of Swedish wheels or
+`r` of balls. `virtual_angle` and `virtual_steering` need a virtual wheel (`virtual`).
 """
 
 
@@ -69,15 +70,18 @@ def page() -> str:
 
 
 def _functions() -> Iterator[str]:
-    """Yield a table for each kind of function: a row for each function and a column for each drive."""
+    """Yield a table for each kind of function: a column for each drive, a row for functions with equal cells."""
     derivations = [wmrgen.derive(wmrgen.load(ROOT / "robots" / f"{robot}.yaml")) for robot in DRIVES.values()]
     every = names()
     for kind, title in KINDS.items():
         yield f"\n{title}\n\n| function | {' | '.join(DRIVES)} |\n|---|{':-:|' * len(DRIVES)}\n"
+        rows: dict[str, list[str]] = {}
         for name in every:
             if FUNCTIONS[name].kind is kind:
-                cells = (_cell(derivation, name) for derivation in derivations)
-                yield f"| `{name}` | {' | '.join(cells)} |\n"
+                cells = " | ".join(_cell(derivation, name) for derivation in derivations)
+                rows.setdefault(cells, []).append(f"`{name}`")
+        for cells, functions in rows.items():
+            yield f"| {', '.join(functions)} | {cells} |\n"
 
 
 def _cell(derivation: Derivation, name: str) -> str:

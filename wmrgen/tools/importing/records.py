@@ -90,7 +90,7 @@ class Description:
     ``words``: names of plugins, meshes and the robot, which may say that wheels have rollers. ``controllers``: what
     drive plugins are told. ``closing``: joints that would give a link a second parent. ``transmitted``: driven joints
     that only a transmission names, and not for positions, which is no proof of a motor; ``commanded``: those of them
-    that take velocities. ``masses``: link -> its centre of mass, in its frame. ``pushing``: joints and links that
+    that take velocities. ``pushing``: joints and links that
     push air or water."""
 
     name: str
@@ -106,7 +106,6 @@ class Description:
     transmitted: frozenset[str] = frozenset()
     commanded: frozenset[str] = frozenset()
     pushing: frozenset[str] = frozenset()
-    masses: Mapping[str, Vector] = field(default_factory=dict)
     file_of: Callable[[str], bytes | None] = field(default=lambda uri: None)
 
 

@@ -5,7 +5,6 @@ Every pose is followed to the model's frame; joints then carry links as those of
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable
 from dataclasses import replace
 from xml.etree.ElementTree import Element
@@ -27,7 +26,7 @@ from wmrgen.tools.importing.read import (
     text_in,
     vector,
 )
-from wmrgen.tools.importing.records import MODEL, RIGID, Description, Frame, Friction, Joint, Shape, Vector
+from wmrgen.tools.importing.records import MODEL, RIGID, Description, Frame, Friction, Joint, Shape
 from wmrgen.tools.importing.sdf_joints import joints_of, passed_over
 
 Include = Callable[[str], Element | None]  # the root of the file that a URI names; None where nobody gave it
@@ -176,22 +175,12 @@ class _Reader:
             notes=tuple(self.notes),
             closing=closing,
             pushing=pushing(plugin for plugin, _ in self.plugins),
-            masses=self._masses(),
         )
 
     def _held(self, link: str) -> Joint:
         """What holds a link that no joint carries."""
         with at(self.links[link][0]):
             return Joint(link, RIGID, MODEL, link, self.frames.pose(link), None, None, None)
-
-    def _masses(self) -> dict[str, Vector]:
-        """The centres of mass of links, where they can be read."""
-        centres = {}
-        for full, (link, _) in self.links.items():
-            for inertial in (each for each in children(link, "inertial")[:1] if not reference(each)):
-                with contextlib.suppress(RobotFileError):
-                    centres[full] = placement(inertial, "inertial").origin
-        return centres
 
     def _shapes(self, full: str) -> list[Shape]:
         link, scope = self.links[full]

@@ -17,6 +17,7 @@ from wmrgen.tools.importing.read import refuse
 from wmrgen.tools.importing.records import MODEL, Description, Frame, Joint, Shape, Vector
 
 UPRIGHT = math.cos(math.radians(15))
+LEVEL = math.sin(math.radians(12))  # how far the axle of a wheel may be inclined
 COAXIAL = 0.99  # cosine
 UNSEEN = Fraction(5, 100)  # [m] the radius of a wheel that is a mesh, where one must be supposed
 EVEN = Fraction(5, 1000)  # [m] by which the ground may be uneven
@@ -28,14 +29,12 @@ X, Z = (Fraction(1), Fraction(0), Fraction(0)), (Fraction(0), Fraction(0), Fract
 
 @dataclass(frozen=True, slots=True)
 class Round:
-    """The largest coaxial cylinder or sphere of a wheel: ``words`` say which, ``sides`` where those as large stand
-    along the axle."""
+    """The largest coaxial cylinder or sphere of a wheel: ``words`` say which."""
 
     radius: Fraction
     centre: Vector
     words: str
     cylinder: bool
-    sides: tuple[Vector, Vector]
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,9 +202,8 @@ class Robot:
         (collides, radius), _, kind = largest = max(shapes, key=lambda s: s[0])
         shares = [share for rank, share, _ in shapes if rank == largest[0]]
         words = f"{'collision' if collides else 'visual'} {kind}"
-        first, last = (plus(origin, axis, share) for share in (min(shares), max(shares)))
         middle = plus(origin, axis, (min(shares) + max(shares)) / 2)
-        return Round(radius, middle, words, kind == "cylinder", (first, last))
+        return Round(radius, middle, words, kind == "cylinder")
 
 
 def base_link(description: Description, wanted: str | None) -> str:

@@ -1,19 +1,20 @@
-"""Questions about the type of wheels that look plain: what in the description says that they may be another type."""
+"""Rules that ask for the type of wheels that look plain: what in the description says that they may be another type."""
 
 from __future__ import annotations
 
 import cmath
 import math
 import re
-from collections.abc import Callable, Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
 
 from wmrgen.geometry.layout.skid import parallel
 from wmrgen.robotfile.text import quoted
-from wmrgen.robotfile.wheel_types.types import FIXED, STEERED
+from wmrgen.robotfile.wheel_types.types import STEERED
 from wmrgen.tools.importing.frames import ancestors
 from wmrgen.tools.importing.records import Question, Wheel
 from wmrgen.tools.importing.rollers import names_of
+from wmrgen.tools.importing.rule import rule
+from wmrgen.tools.importing.subject import RobotRule, Subject
 from wmrgen.tools.importing.view import EVEN, Candidate, Robot
 
 _CASTOR = re.compile("cast[eo]r", re.IGNORECASE)
@@ -22,49 +23,15 @@ _SKIDS = re.compile("diff|skid", re.IGNORECASE)
 _STEERING = re.compile("ackermann?|bicycle|tricycle|swerve|wheel_?steer", re.IGNORECASE)
 
 
-class Subject(NamedTuple):
-    """A robot, its wheels, and for each wheel the joint that it was read from."""
-
-    robot: Robot
-    wheels: Sequence[Wheel]
-    seen: Sequence[Candidate]
-
-    @property
-    def plain(self) -> list[tuple[Wheel, Candidate]]:
-        """The wheels that were read as fixed."""
-        pairs = zip(self.wheels, self.seen, strict=True)
-        return [(wheel, c) for wheel, c in pairs if wheel.type == FIXED.name]
-
-    def kinds(self) -> set[str]:
-        """Return the kinds of all controllers and drive plugins."""
-        return {controller.kind for controller in self.robot.description.controllers}
+RULES: list[RobotRule] = []
 
 
-class Rule(NamedTuple):
-    """A reason to ask for the type of wheels."""
-
-    name: str
-    why: str  # the mistake that the question prevents
-    witness: str  # the description that needs it
-    ask: Callable[[Subject], Iterator[Question]]
-
-
-def types_asked(subject: Subject, asked: Sequence[Question]) -> list[Question]:
-    """Return the questions about types that look plain.
-
-    A wheel whose type is already in question, or whose name is in a question of an earlier rule, is not asked about
-    again.
-    """
-    taken = {q.wheel for q in asked if q.key == "type"}
-    questions = []
-    for rule in RULES:
-        for question in rule.ask(subject):
-            if taken.isdisjoint(question.wheels):
-                questions.append(question)
-                taken.update(question.wheels)
-    return questions
-
-
+@rule(
+    RULES,
+    "swivel is fixed",
+    "A castor without its swivel drags the robot: the file has a fixed joint in place of the swivel.",
+    "the MiR 250 in some forks of mir_robot, whose swivel is of type fixed with the comment continuous",
+)
 def _castors(subject: Subject) -> Iterator[Question]:
     """Ask about each wheel that is called a castor and has no joint to swivel."""
     for wheel, c in subject.plain:
@@ -75,6 +42,12 @@ def _castors(subject: Subject) -> Iterator[Question]:
             yield Question(wheel.name, "type", text, hints)
 
 
+@rule(
+    RULES,
+    "track",
+    "The wheels in a track are read as plain wheels on several axles.",
+    "tracked_vehicle_wheeled.world (gazebosim/gazebo-classic): left_track_wheel1 to left_track_wheel8",
+)
 def _tracks(subject: Subject) -> Iterator[Question]:
     """Ask once about all wheels that are called parts of a track."""
     wheels = []
@@ -93,6 +66,12 @@ def _tracks(subject: Subject) -> Iterator[Question]:
         yield Question(wheels[0], "type", text, hints, tuple(wheels[1:]))
 
 
+@rule(
+    RULES,
+    "steering plugin",
+    "A vehicle plugin steers wheels whose steering joints the file does not have.",
+    "a report on a fresh public description; the input is in tests/tools/importing/test_type_questions.py",
+)
 def _unsteered(subject: Subject) -> Iterator[Question]:
     """Ask once about the front wheels if a controller steers and no wheel of the file does."""
     description = subject.robot.description
@@ -109,6 +88,12 @@ def _unsteered(subject: Subject) -> Iterator[Question]:
         yield Question(wheels[0], "type", text, hints, tuple(wheels[1:]))
 
 
+@rule(
+    RULES,
+    "four driven wheels",
+    "Mecanum wheels without friction and without the word are read as wheels that skid.",
+    "husarion_panther and clearpath_a200, which are sold with both kinds of wheels or with a controller elsewhere",
+)
 def _four_driven(subject: Subject) -> Iterator[Question]:
     """Ask once about four driven wheels in a rectangle if nothing says that they skid."""
     description = subject.robot.description
@@ -144,31 +129,3 @@ def _names_up_to_base(robot: Robot, c: Candidate) -> Iterator[str]:
         if joint.child == robot.base:
             return
         yield from (joint.name, joint.child)
-
-
-RULES = (
-    Rule(
-        "swivel is fixed",
-        "A castor without its swivel drags the robot: the file has a fixed joint in place of the swivel.",
-        "no file of the collection; a small input of the issue, copied to tests/tools/importing/test_kinds.py",
-        _castors,
-    ),
-    Rule(
-        "track",
-        "The sprockets of tracks are read as plain wheels on several axles.",
-        "no file of the collection; the issue reports tracks among fresh descriptions",
-        _tracks,
-    ),
-    Rule(
-        "steering plugin",
-        "A vehicle plugin steers wheels whose steering joints the file does not have.",
-        "no file of the collection; the issue reports one among fresh descriptions",
-        _unsteered,
-    ),
-    Rule(
-        "four driven wheels",
-        "Mecanum wheels without friction and without the word are read as wheels that skid.",
-        "husarion_panther and clearpath_a200, which are sold with both kinds of wheels or with a controller elsewhere",
-        _four_driven,
-    ),
-)

@@ -46,7 +46,10 @@ def candidates(robot: Robot) -> tuple[list[Candidate], list[Rejected]]:
 
 def rigid_wheels(robot: Robot, wheels: Sequence[Candidate]) -> list[Candidate]:
     """Return what is on the ground beside the wheels and looks like one, on fixed joints alone."""
-    others = [c for c in _all_fixed(robot) if all(c.joint is not w.joint and _apart(c, w) for w in wheels)]
+    others = []
+    for c in _all_fixed(robot):
+        if all(c.joint is not w.joint and _apart(c, w) for w in wheels):
+            others.append(c)
     standing = _on_ground(robot, [*wheels, *others])
     return [c for c in others if c in standing]
 
@@ -160,9 +163,12 @@ def _bodies(robot: Robot, wheels: Sequence[Candidate]) -> list[Candidate]:
     for c in wheels:
         below = {id(joint) for joint in robot.under(c.joint.child, rigid=True)}
         parts.append([other for other in wheels if id(other.joint) in below])
-    axles = [not c.joint.moves and len(own) > 1 for c, own in zip(wheels, parts, strict=True)]
-    carried = [part for own, axle in zip(parts, axles, strict=True) if not axle for part in own]
-    return [c for c, axle in zip(wheels, axles, strict=True) if not axle and all(c is not p for p in carried)]
+    bodies, carried = [], set[int]()
+    for c, own in zip(wheels, parts, strict=True):
+        if c.joint.moves or len(own) < 2:
+            bodies.append(c)
+            carried |= {id(part) for part in own}
+    return [c for c in bodies if id(c) not in carried]
 
 
 # ---- rules that doubt the axis of a wheel, or how it steers

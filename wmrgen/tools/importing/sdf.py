@@ -33,14 +33,28 @@ Include = Callable[[str], Element | None]  # the root of the file that a URI nam
 _MOST_MODELS = 64
 
 
+def _has(model: Element, tag: str) -> bool:
+    return next(below(model, tag), None) is not None
+
+
 def describe(root: Element, file: str, include: Include) -> Description:
-    """What the first model says in which a joint turns without end, else the first that has joints, itself or included.
-    RobotFileError where none has."""
+    """Return what the first model with a joint that turns without end says, else the first that has joints.
+
+    Args:
+        root: The root of the file.
+        file: The name of the file.
+        include: Returns the root of the file that a URI names.
+
+    Returns:
+        The description.
+
+    Raises:
+        RobotFileError: No model has joints.
+    """
     version, lost = root.get("version", ""), list[str]()
     worlds = children(root, "world")
-    models = [
-        (m, version) for m in (*children(root, "model"), *(m for w in worlds for m in children(w, "model")))
-    ]
+    inside = [model for world in worlds for model in children(world, "model")]
+    models = [(model, version) for model in (*children(root, "model"), *inside)]
     for each in (included for world in worlds for included in children(world, "include")):
         other = include(text_in(each, "uri"))
         model = None if other is None else child(other, "model")
@@ -48,9 +62,7 @@ def describe(root: Element, file: str, include: Include) -> Description:
             lost.append(unread(text_in(each, "uri")))
         else:
             models.append((model, other.get("version", "")))
-    robots = [
-        m for m in models if any(next(below(m[0], tag), None) is not None for tag in ("joint", "include"))
-    ]
+    robots = [m for m in models if _has(m[0], "joint") or _has(m[0], "include")]
     if not robots:
         why = " ".join(f"Note: {note}." for note in lost[:3])
         hint = "Give the file that describes the robot."

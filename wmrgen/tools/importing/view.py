@@ -187,8 +187,16 @@ class Robot:
                 yield centre, centre[2] - shape.radius
 
     def round_shape(self, link: str, origin: Vector, axis: Vector) -> Round | None:
-        """The largest coaxial cylinder or sphere, of the collision before the visual; of several as large, as the two
-        sides of a wheel are, the middle."""
+        """Return the largest coaxial cylinder or sphere; one that collides before one that is only drawn.
+
+        Args:
+            link: The link with what is fixed to it.
+            origin: A point of the axle [m].
+            axis: The unit vector of the axle.
+
+        Returns:
+            The shape, in the middle of several of one size, as the two sides of a wheel are.
+        """
         shapes: list[tuple[tuple[bool, Fraction], Fraction, str]] = []
         for kind, role, radius, where in self.shapes(link):
             along = turned(where.rotation, Z)
@@ -221,13 +229,14 @@ def base_link(description: Description, wanted: str | None) -> str:
         return MODEL
     above = parents(description.joints)
     chains = {link: ancestors(link, above) for link in description.links}
-    carried = Counter(link for own, chain in chains.items() for link in (own, *(j.parent for j in chain)))
+    carried = Counter(chains.keys())
+    for chain in chains.values():
+        carried.update(joint.parent for joint in chain)
     named = [link for link in description.links if link.endswith("base_link") and _stands(link, above)]
-    whole = [
-        link
-        for link in named
-        if 2 * carried[link] >= len(chains) or not any(joint.moves for joint in chains[link])
-    ]
+    whole = []
+    for link in named:
+        if 2 * carried[link] >= len(chains) or not any(joint.moves for joint in chains[link]):
+            whole.append(link)
     if whole:
         return min(whole, key=lambda link: len(chains[link]))
     root = max((link for link, chain in chains.items() if not chain), key=lambda root: carried[root])

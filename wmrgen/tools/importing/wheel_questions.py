@@ -214,11 +214,9 @@ def mesh_radius(robot: Robot, c: Candidate) -> tuple[Fraction, str] | None:
     told = [float(radius) for _, radius in _radii_told(robot)]
     ground = _height_above_ground(robot, c)
     others = (drawn[-1:], told, [float(ground[1])] if ground else [])
-    agree = (
-        any(abs(radius / bounds.radius - 1) <= CONFLICT for radius in radii) for radii in others if radii
-    )
-    if not all(agree):
-        return None
+    for radii in others:
+        if radii and not any(abs(radius / bounds.radius - 1) <= CONFLICT for radius in radii):
+            return None
     return Fraction(round(bounds.radius * 10**6), 10**6), f"bound of the {own[0].words} about the axle"
 
 

@@ -268,7 +268,7 @@ def test_gamma_is_never_guessed(read: Import, wmrgen_cli: Cli, tmp_path: Path, w
     turning = four(**{name: friction(name, "1 -1 0", "") for name in CORNERS})
     said = read(robot(four() + plugin if why == "plugin" else turning))
     assert {(w["type"], w["gamma"]) for w in said["wheels"].values()} == {("swedish", None)}
-    assert [q["key"] for q in said["questions"]] == ["gamma"] * 4
+    assert [(q["answer"], len(q["also"])) for q in said["questions"]] == [("rollers", 3)]
     path = tmp_path / "probe.yaml"
     assert wmrgen_cli("derive", path, "-o", tmp_path / "out").code == 2
     text = path.read_text(encoding="utf-8")

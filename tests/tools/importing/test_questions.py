@@ -446,9 +446,19 @@ def test_an_articulated_body_looks_like_steering(read: Import) -> None:
                                   more='<limit lower="-0.7" upper="0.7"/>')  # fmt: skip
     wheels = "".join(wheel(n, f"0 {y} 0", parent="front") for n, y in (("a", 0.4), ("b", -0.4)))
     said = read(robot(pair(), front, wheels, control("left_joint", "a_joint")))
-    assert said["asked"] == [("a", "type"), ("b", "type")]
+    assert said["asked"] == [("a", "type")] and said["questions"][0]["also"] == ["b"]
     twin = wheels.replace("0 0.4 0", "0 0.05 0").replace("0 -0.4 0", "0 -0.05 0")
     assert read(robot(pair(), front, twin, control("left_joint", "a_joint")))["asked"] == []
+
+
+def test_a_hitch_is_offered_as_a_trailer(read: Import) -> None:
+    """The hitch is 0.35 m behind the axle of the robot, and 0.8 m ahead of the trailer's axle."""
+    cart = link("cart") + joint("hitch", "base_link", "cart", "-0.3 0 0.1", "revolute", "0 0 1",
+                                more='<limit lower="-0.7" upper="0.7"/>')  # fmt: skip
+    towed = "".join(wheel(n, f"-0.8 {y} 0", parent="cart") for n, y in (("a", 0.4), ("b", -0.4)))
+    said = read(robot(pair(), cart, towed, control("left_joint", "right_joint")))
+    assert said["asked"] == [("a", "type")]
+    assert any("trailers: [{length: 0.8, hitch: 0.35}]" in hint for hint in said["questions"][0]["hints"])
 
 
 def test_a_body_that_turns_above_the_steering_is_asked_about(read: Import) -> None:
@@ -460,7 +470,11 @@ def test_a_body_that_turns_above_the_steering_is_asked_about(read: Import) -> No
         steered += wheel(n, "0 0 0", parent=f"{n}_s")
     driven = control("left_joint", "right_joint", "a_s", "b_s")
     said = read(robot(pair(), waist, steered, driven))
-    assert said["asked"] == [("a", "type"), ("b", "type")] and "'waist'" in said["text"]
+    assert (
+        said["asked"] == [("a", "type")]
+        and said["questions"][0]["also"] == ["b"]
+        and "'waist'" in said["text"]
+    )
     rocker = waist.replace("0 0 1", "1 0 0")
     assert read(robot(pair(), rocker, steered, driven))["asked"] == []
 

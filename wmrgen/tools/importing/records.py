@@ -117,7 +117,15 @@ class Question:
     key: str  # of the robot file
     text: str
     hints: tuple[str, ...] = ()
-    also: tuple[str, ...] = ()  # the other wheels that have the same answer
+    also: tuple[str, ...] = ()  # the other wheels that the answer is for
+    # Word of the answer -> WHEEL.KEY -> value. Without choices all wheels have the same value.
+    choices: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    name: str = ""  # of the answer, if it is a choice
+
+    @property
+    def answer_key(self) -> str:
+        """What `--answer` calls it."""
+        return self.name or f"{self.wheel}.{self.key}"
 
     @property
     def wheels(self) -> tuple[str, ...]:

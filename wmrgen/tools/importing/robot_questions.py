@@ -12,10 +12,11 @@ from wmrgen.robotfile.text import quoted
 from wmrgen.robotfile.wheel_types.types import CASTOR, FIXED, STEERED, SWEDISH
 from wmrgen.tools.importing.candidates import rigid_wheels
 from wmrgen.tools.importing.frames import ancestors, plus
+from wmrgen.tools.importing.mecanum import MECANUM_TEXT, ROLLERS, mecanum_choices
 from wmrgen.tools.importing.records import DIGITS, MODEL, SUPPORT, Question, Wheel
 from wmrgen.tools.importing.rule import rule
 from wmrgen.tools.importing.subject import RobotRule, Subject
-from wmrgen.tools.importing.view import UNSEEN, UPRIGHT, Candidate, Mesh, Robot
+from wmrgen.tools.importing.view import EVEN, UNSEEN, UPRIGHT, Candidate, Mesh, Robot
 
 DIRECTIONS = {"x": (1, 0), "y": (0, 1), "-x": (-1, 0), "-y": (0, -1)}
 _ALONG = math.cos(math.radians(20))
@@ -27,6 +28,35 @@ _OFF = 2e-3  # [m] a smaller distance of a mesh from its joint along the axle is
 
 RULES: list[RobotRule] = []
 LAST: list[RobotRule] = []  # asked only if something else is, or if a hint says what carries the robot
+
+
+@rule(
+    RULES,
+    "rollers",
+    "Wheels with rollers whose directions the description does not say would be a guess.",
+    "lekiwi, festo_robotino: omni wheels; kuka_youbot of the collection of 72: mecanum wheels",
+)
+def _rollers(subject: Subject) -> Iterator[Question]:
+    unknown = [w for w in subject.wheels if w.type == SWEDISH.name and w.gamma is None]
+    if not unknown:
+        return
+    names = [w.name for w in unknown]
+    why = tuple(filter(None, [unknown[0].remarks.get("type", "")]))
+    if choices := mecanum_choices(unknown):
+        yield Question(names[0], "gamma", MECANUM_TEXT, why, tuple(names[1:]), choices, ROLLERS)
+        return
+    text = (
+        "which way do the rollers stand? Look at the wheel from above, through it at the roller that touches the "
+        "ground (those on top cross it): gamma is the angle from the rolling direction to that roller's axis, "
+        "counter-clockwise"
+    )
+    if _any_way(unknown) and len(unknown) == len(subject.wheels):
+        yield Question(names[0], "gamma", text, ("0 for omni wheels", *why), tuple(names[1:]))
+        return
+    for name in names:
+        yield Question(
+            name, "gamma", text, ("0 for an omni wheel", "pi/4 or -pi/4 for a mecanum wheel", *why)
+        )
 
 
 @rule(
@@ -106,16 +136,42 @@ def _motor_questions(wheels: Sequence[Wheel]) -> list[tuple[str, str, tuple[str,
 )
 def _articulated(subject: Subject) -> Iterator[Question]:
     robot, wheels = subject.robot, subject.wheels
-    none = "a robot file has no articulated bodies; what is towed stands under trailers:"
+    groups: dict[str, list[Wheel]] = {}
+    words: dict[str, tuple[str, str]] = {}
     for w, c in subject.pairs:
         if above := next((j for j in c.via if robot.upright(j)), None):
             text = f"joint {quoted(above.name)} turns its steering axis, too, and is taken at zero"
-            keep = "keep it if that joint never turns"
-        elif _companions(w, wheels) and math.hypot(w.d or 0, w.offset_y or 0) > 2 * (w.r or UNSEEN):
-            text, keep = "its steering axis carries several wheels far from it", "keep it if it steers"
+            joint, words[above.name] = above.name, (text, "keep it if that joint never turns")
+        elif w.steer_joint and _carries_far(w, wheels):
+            text = "its steering axis carries several wheels far from it"
+            joint, words[w.steer_joint] = w.steer_joint, (text, "keep it if it steers")
         else:
             continue
-        yield Question(w.name, "type", f"{text}: is the robot articulated there?", (keep, none))
+        groups.setdefault(joint, []).append(w)
+    for joint, own in groups.items():
+        text, keep = words[joint]
+        hints = (keep, *_as_trailer(own, wheels))
+        also = tuple(w.name for w in own[1:])
+        yield Question(own[0].name, "type", f"{text}: is the robot articulated there?", hints, also)
+
+
+def _carries_far(w: Wheel, wheels: Sequence[Wheel]) -> bool:
+    """Return whether a steering axis carries several wheels, and a wheel is far from it."""
+    return _companions(w, wheels) and math.hypot(w.d or 0, w.offset_y or 0) > 2 * (w.r or UNSEEN)
+
+
+def _as_trailer(own: Sequence[Wheel], wheels: Sequence[Wheel]) -> tuple[str, ...]:
+    """Return the hints how to write the part of the body with the wheels ``own`` as a trailer."""
+    none = "a robot file has no articulated bodies; what is towed is listed under trailers:"
+    others = [w for w in wheels if w.type == FIXED.name and w not in own]
+    axles = [float(w.x) + float(w.d or 0) * math.cos(w.heading or 0.0) for w in own]
+    places = [float(w.x) for w in others]
+    one_axle = bool(places) and max(places) - min(places) < EVEN and max(axles) - min(axles) < EVEN
+    length, hitch = float(own[0].x) - axles[0], (places[0] if places else 0.0) - float(own[0].x)
+    if not one_axle or length <= 0:
+        return (none,)
+    written = f"trailers: [{{length: {length:.6g}, hitch: {hitch:.6g}}}]"
+    return (f"delete the wheels, and write {written} if it is towed", none)
 
 
 @rule(

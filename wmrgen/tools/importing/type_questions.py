@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import cmath
-import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
-from wmrgen.geometry.layout.skid import parallel
 from wmrgen.robotfile.text import quoted
-from wmrgen.robotfile.wheel_types.types import STEERED
+from wmrgen.robotfile.wheel_types.types import STEERED, SWEDISH
 from wmrgen.tools.importing.frames import ancestors
-from wmrgen.tools.importing.records import Question, Wheel
+from wmrgen.tools.importing.mecanum import ROLLERS, in_rectangle, mecanum_choices
+from wmrgen.tools.importing.records import Question
 from wmrgen.tools.importing.rollers import names_of
 from wmrgen.tools.importing.rule import rule
 from wmrgen.tools.importing.subject import RobotRule, Subject
@@ -99,27 +97,13 @@ def _four_driven(subject: Subject) -> Iterator[Question]:
     description = subject.robot.description
     wheels = [wheel for wheel, _ in subject.plain if "spin" in (wheel.actuated or ())]
     said = "differential" in subject.kinds() or any(map(_SKIDS.search, description.words))
-    if said or len(wheels) != 4 or len(subject.wheels) != 4 or not _in_rectangle(wheels):
+    if said or len(wheels) != 4 or len(subject.wheels) != 4 or not in_rectangle(wheels):
         return
     text = "four wheels are driven, and nothing says that they skid in curves: do they have rollers?"
     hints = ("fixed, if they skid", "swedish, with gamma, if they are mecanum wheels")
-    yield Question(wheels[0].name, "type", text, hints, tuple(w.name for w in wheels[1:]))
-
-
-def _in_rectangle(wheels: Sequence[Wheel]) -> bool:
-    """Return whether wheels roll in parallel on two axles, with a wheel on each side of each axle."""
-    first = wheels[0].heading or 0.0
-    if not parallel([cmath.rect(1, w.heading or 0.0) for w in wheels]):
-        return False
-    ahead = [math.cos(first) * float(w.x) + math.sin(first) * float(w.y) for w in wheels]
-    aside = [math.cos(first) * float(w.y) - math.sin(first) * float(w.x) for w in wheels]
-    return all(_in_pairs(values) for values in (ahead, aside))
-
-
-def _in_pairs(values: Sequence[float]) -> bool:
-    """Return whether four values are two pairs of equal values."""
-    a, b, c, d = sorted(values)
-    return b - a < EVEN and d - c < EVEN and c - b > EVEN
+    choices = mecanum_choices(wheels, {"type": SWEDISH.name})
+    also = tuple(w.name for w in wheels[1:])
+    yield Question(wheels[0].name, "type", text, hints, also, choices, ROLLERS if choices else "")
 
 
 def _names_up_to_base(robot: Robot, c: Candidate) -> Iterator[str]:

@@ -64,25 +64,6 @@ def _doubted(subject: Subject, wheel: Wheel, c: Candidate) -> Iterator[Question]
 
 @rule(
     RULES,
-    "rollers",
-    "Wheels with rollers whose directions the description does not say would be a guess.",
-    "lekiwi, festo_robotino",
-)
-def _rollers(subject: Subject, wheel: Wheel, c: Candidate) -> Iterator[Question]:
-    if wheel.type != SWEDISH.name or wheel.gamma is not None:
-        return
-    text = (
-        "which way do the rollers stand? Look at the wheel from above, through it at the roller that touches the "
-        "ground (those on top cross it): gamma is the angle from the rolling direction to that roller's axis, "
-        "counter-clockwise"
-    )
-    hints = ("0 for an omni wheel", "pi/4 or -pi/4 for a mecanum wheel; diagonal wheels have the same")
-    why = wheel.remarks.get("type", "")
-    yield Question(wheel.name, "gamma", text, tuple(filter(None, (*hints, why))))
-
-
-@rule(
-    RULES,
     "swivel of a robot with rollers",
     "Wheels with rollers on passive swivels of a simulator are read as a swerve drive.",
     "kuka_youbot, of the collection of 72",

@@ -133,7 +133,7 @@ def _drawn_alone(sight: Sight, c: Candidate) -> str:
     REJECTIONS,
     "propeller",
     "The propellers of a drone or a boat turn without end, and one with a level axis may be the lowest part.",
-    "PX4-SITL_gazebo, models with libgazebo_motor_model.so",
+    "a small input in tests/tools/importing/test_rejections.py, with plugins of rotors and thrusters",
 )
 def _propeller(sight: Sight, c: Candidate) -> str:
     names = {name.rsplit("::", 1)[-1] for name in (c.joint.name, c.joint.child)}
@@ -145,7 +145,7 @@ def _propeller(sight: Sight, c: Candidate) -> str:
     REJECTIONS,
     "reaches to one side",
     "A flipper turns about a level axis and touches the ground, but it does not roll.",
-    "hector_tracker (tu-darmstadt-ros-pkg): four flippers beside its tracks",
+    "taurob_tracker_description (TW-Robotics/taurob_simulation): flippers beside its tracks",
 )
 def _reaches_aside(sight: Sight, c: Candidate) -> str:
     robot = sight.robot
@@ -254,7 +254,7 @@ def _near(robot: Robot, c: Candidate, joint: Joint) -> bool:
     REMARKS,
     "in the air",
     "A steering wheel, a gimbal or a finger turns as wheels do, and is not on the ground.",
-    "prius: its steering wheel; husarion_panther_mecanum: its rollers are lower than its hubs",
+    "three cars of the collection of 72: the steering wheel of the driver",
 )
 def _in_the_air(robot: Robot, joint: Joint, wheels: Sequence[Candidate]) -> str:
     if not wheels or not joint.spins or abs(robot.axis(joint)[2]) > LEVEL or robot.moving_below(joint.child):

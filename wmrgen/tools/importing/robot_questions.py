@@ -34,7 +34,7 @@ LAST: list[RobotRule] = []  # asked only if something else is, or if a hint says
     RULES,
     "rollers",
     "Wheels with rollers whose directions the description does not say would be a guess.",
-    "lekiwi, festo_robotino: omni wheels; kuka_youbot of the collection of 72: mecanum wheels",
+    "lekiwi, festo_robotino: omni wheels; eight of 17 such robots in the collection of 72",
 )
 def _rollers(subject: Subject) -> Iterator[Question]:
     unknown = [w for w in subject.wheels if w.type == SWEDISH.name and w.gamma is None]

@@ -139,7 +139,7 @@ def _transmitted(subject: Subject, wheel: Wheel, c: Candidate) -> Iterator[Quest
     RULES,
     "sphere that nothing drives",
     "The ball of a castor that a simulator turns about one axle is read as a plain wheel.",
-    "castor balls on continuous joints in Gazebo's tutorials",
+    "a small input in tests/tools/importing/test_questions.py, as simulators have castors",
 )
 def _ball(subject: Subject, wheel: Wheel, c: Candidate) -> Iterator[Question]:
     passive = not c.steer and subject.powered and wheel.actuated == ()

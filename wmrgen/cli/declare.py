@@ -129,7 +129,7 @@ Package = Annotated[
 Distro = Annotated[
     Literal["humble", "jazzy", "kilted", "rolling"] | None,
     option_with_default(
-        "The release of ROS 2 that runs the controllers; without it, names of all releases are read."
+        "The release of ROS 2 that runs the controllers; without it, all names are read, and the newest are written."
     ),
 ]
 Out = Annotated[Path, output("DIR", "The folder that contains the folders of the robots.")]

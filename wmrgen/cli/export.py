@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from wmrgen.cli import console
-from wmrgen.cli.declare import Json, Robot, option_with_default, output, verb
+from wmrgen.cli.declare import Distro, Json, Robot, option_with_default, output, verb
 from wmrgen.errors import UsageError
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ def export(
         option_with_default("What to write. ros2_control: a URDF and the parameters of the controller."),
     ],
     out: Annotated[Path | None, output("DIR|FILE", "Where to write; without it the text is printed.")] = None,
+    distro: Distro = None,
     as_json: Json = False,
 ) -> int:
     """Example:  wmrgen export robots/pioneer3dx.yaml --to ros2_control -o build
@@ -34,8 +35,10 @@ def export(
     from wmrgen.cli.loading import print_notes
     from wmrgen.derivation.artifacts import write_file
 
+    if distro and to != "ros2_control":
+        raise UsageError("--distro names the release of ROS 2 whose parameters ros2_control writes")
     loaded = print_notes(wmrgen.load(robot))
-    files = _files(loaded, to)
+    files = _files(loaded, to, distro)
     is_file = out is not None and out.suffix in {".xml", *(Path(name).suffix for name in files)}
     if is_file and len(files) > 1:
         raise UsageError(f"{to} is {len(files)} files: {', '.join(files)}. Give a folder: -o DIR.")
@@ -55,8 +58,17 @@ def export(
     return 0
 
 
-def _files(robot: Loaded, to: Kind) -> dict[str, str]:
-    """Return the texts of one kind of description by file name."""
+def _files(robot: Loaded, to: Kind, distro: Distro) -> dict[str, str]:
+    """Return the texts of one kind of description by file name.
+
+    Args:
+        robot: The robot.
+        to: The kind.
+        distro: The release of ROS 2; None: the newest one.
+
+    Returns:
+        File name -> text.
+    """
     if to == "urdf":
         from wmrgen.tools.exporting.urdf import urdf
 
@@ -71,4 +83,4 @@ def _files(robot: Loaded, to: Kind) -> dict[str, str]:
         return wpilib(robot)
     from wmrgen.tools.exporting.ros2_control import ros2_control
 
-    return ros2_control(robot)
+    return ros2_control(robot, distro)

@@ -39,7 +39,7 @@ def import_robot(
     answer: Annotated[
         list[str] | None,
         option(
-            "Answer a question, such as left.r=0.1; the robot file has the value in place of TODO.",
+            "Answer a question, such as left.r=0.1 or rollers=X; the robot file has the value in place of TODO.",
             "WHEEL.KEY=VALUE",
         ),
     ] = None,
@@ -81,7 +81,7 @@ def import_robot(
     else:
         console.result(f"{out}: {len(robot.wheels)} wheels, {counted(robot.questions)} open")
     for question in robot.questions:
-        console.note(f"open: {question.wheel}.{question.key}: {question.text}")
+        console.note(f"open: {question.answer_key}: {question.text}")
     return 0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -103,3 +104,46 @@ def test_a_name_of_a_joint_is_text_and_no_sign(
     imported = robot.read_text(encoding="utf-8")
     assert (f"joints: {{spin: {written}}}" in imported) == (written is not None)
     assert wmrgen_cli("compare", robot, description).code == 0
+
+
+MECANUM = '<gazebo><plugin filename="libmecanum.so" name="drive"/></gazebo>'
+
+
+@pytest.mark.parametrize(("word", "signs"), [("X", [-1, 1, 1, -1]), ("O", [1, -1, -1, 1])])
+@pytest.mark.parametrize("more", [MECANUM, ""])
+def test_rollers_of_four_wheels_are_one_answer(
+    wmrgen_cli: Cli, description: Path, more: str, word: str, signs: list[int]
+) -> None:
+    """X on top is what the controller of ros2_controllers expects. Without a plugin the type is answered, too."""
+    description.write_text(four_driven().replace("</robot>", f"{more}</robot>"), encoding="utf-8")
+    out = description.with_suffix(".yaml")
+    done = wmrgen_cli("import", description, "-o", out, "--answer", f"rollers={word}")
+    assert done.code == 0 and "open" not in done.err
+    wheels = wmrgen.load(out).wheels
+    assert [w.type for w in wheels] == ["swedish"] * 4
+    assert [round(w.gamma / (math.pi / 4)) for w in wheels] == signs
+    assert wmrgen_cli("export", out, "--to", "ros2_control").code == (0 if word == "X" else 3)
+
+
+def test_the_wheels_of_a_base_that_rolls_backward_have_the_same_rollers(
+    wmrgen_cli: Cli, description: Path
+) -> None:
+    backward = four_driven().replace('"0 1 0"', '"0 -1 0"').replace("</robot>", f"{MECANUM}</robot>")
+    description.write_text(backward, encoding="utf-8")
+    out = description.with_suffix(".yaml")
+    assert wmrgen_cli("import", description, "-o", out, "--answer", "rollers=X").code == 0
+    assert [round(w.gamma / (math.pi / 4)) for w in wmrgen.load(out).wheels] == [-1, 1, 1, -1]
+
+
+@pytest.mark.parametrize("word", ["rollers=Y", "rollers=", "roller=X"])
+def test_other_answers_about_rollers_are_refused(wmrgen_cli: Cli, description: Path, word: str) -> None:
+    description.write_text(four_driven().replace("</robot>", f"{MECANUM}</robot>"), encoding="utf-8")
+    assert wmrgen_cli("import", description, "--answer", word).code == 2
+
+
+def test_rollers_of_an_earlier_file_are_kept(wmrgen_cli: Cli, description: Path) -> None:
+    description.write_text(four_driven().replace("</robot>", f"{MECANUM}</robot>"), encoding="utf-8")
+    earlier, out = description.with_name("earlier.yaml"), description.with_name("out.yaml")
+    assert wmrgen_cli("import", description, "-o", earlier, "--answer", "rollers=O").code == 0
+    assert wmrgen_cli("import", description, "-o", out, "--update", earlier).code == 0
+    assert [round(w.gamma / (math.pi / 4)) for w in wmrgen.load(out).wheels] == [1, -1, -1, 1]

@@ -179,20 +179,6 @@ def test_one_round_mesh_is_the_radius_where_nothing_says_another(
     assert (where in out.read_text(encoding="utf-8")) is (radius is not None)
 
 
-@pytest.mark.parametrize(("half", "asked"), [(0.2, True), (0.15, False)])
-def test_a_mesh_twice_as_long_as_its_diameter_may_be_two_wheels(
-    wmrgen_cli: Cli, tmp_path: Path, half: float, asked: bool
-) -> None:
-    ends = (f"v {x} {y} {z}\n" for x, _, z in RADIUS * circle(24) for y in (-half, half))
-    (tmp_path / "a.obj").write_text("".join(ends))
-    body = '<link name="rear"><visual><geometry><mesh filename="a.obj"/></geometry></visual></link>'
-    rear = body + joint("rear", "base_link", "rear", "-0.3 0 0.1")
-    (tmp_path / "probe.urdf").write_text(robot(rear, rear.replace("rear", "nose").replace("-0.3", "0.3")))
-    said = json.loads(wmrgen_cli("import", tmp_path / "probe.urdf", "--json").out)
-    hints = {(q["wheel"], q["key"]): q["hints"] for q in said["questions"]}
-    assert ("outer sides are at (-0.3, -0.2) and (-0.3, 0.2)" in str(hints.get(("rear", "type")))) is asked
-
-
 BOMB = b'<!DOCTYPE r [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;">]><COLLADA>&b;</COLLADA>'
 CIRCLE = (
     b'<COLLADA><node id="n"><instance_node url="#n"/></node><visual_scene><node><instance_node url="#n"/></node>'

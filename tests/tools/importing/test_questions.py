@@ -58,26 +58,6 @@ def test_several_axles_without_a_controller(read: Import) -> None:
     assert read(robot(pair()))["asked"] == []
 
 
-@pytest.mark.parametrize(
-    ("moved", "asked"),
-    [
-        ({"rr": (-0.28, -0.266)}, [("rr", "x"), ("rr", "y")]),
-        ({"fl": (0.31, 0.25)}, [("fl", "x")]),
-        ({"fl": (0.304, 0.25)}, []),  # drawn by CAD
-        ({"fl": (0.3, 0.2), "fr": (0.3, -0.2)}, []),  # a narrow front
-        ({"fl": (0.5, 0.25)}, []),  # no slip of the pen
-    ],
-)  # fmt: skip
-def test_a_wheel_beside_the_corner_that_three_others_leave_is_asked_about(
-    read: Import, moved: dict[str, tuple[float, float]], asked: list[tuple[str, str]]
-) -> None:
-    places = {n: moved.get(n, place) for n, place in CORNERS.items()}
-    wheels = "".join(wheel(n, f"{x} {y} 0.1") for n, (x, y) in places.items())
-    skids = '<gazebo><plugin filename="libgazebo_ros_skid_steer_drive.so"/></gazebo>'
-    said = read(robot(wheels, control(*(f"{n}_joint" for n in CORNERS)), skids))
-    assert said["asked"] == asked and ("-0.3 at the corner" in said["text"]) is ("rr" in moved)
-
-
 def modules(places: dict[str, str], **radii: str) -> str:
     """Steered wheels at the corners; ``places``: where a wheel stands in the frame of its swivel."""
     parts = ""
@@ -85,34 +65,6 @@ def modules(places: dict[str, str], **radii: str) -> str:
         parts += link(f"{n}_s") + joint(f"{n}_s", "base_link", f"{n}_s", f"{x} {y} 0.1", axis="0 0 1")
         parts += wheel(n, places.get(n, "0 0 0"), cylinder(radii.get(n, "0.1")), f"{n}_s")
     return parts + control(*(f"{n}_{part}" for n in CORNERS for part in ("s", "joint")))
-
-
-@pytest.mark.parametrize(
-    ("places", "radii", "asked"),
-    [
-        ({"fl": "0.03 0.01 0"}, {}, [("fl", "type"), ("fl", "offset_y")]),
-        ({"rr": "0 -0.02 0"}, {}, [("rr", "offset_y")]),
-        ({"fl": "0 0.03 0", "rl": "0 0.03 0", "fr": "0 -0.03 0", "rr": "0 -0.03 0"}, {}, []),  # outward
-        (dict.fromkeys(CORNERS, "-0.03 0 0"), {}, []),  # powered castors
-        ({"fl": "-0.03 0 0", "fr": "-0.03 0 0"}, {}, []),
-        ({}, {"fr": "0.105"}, [("fr", "r")]),
-        ({}, {"fl": "0.12", "fr": "0.12"}, []),
-        ({"fl": "0.03 0 0"}, {"fr": "0.105"}, [("fl", "type"), ("fr", "r")]),
-    ],
-)  # fmt: skip
-def test_one_wheel_that_differs_from_all_others_of_its_kind_is_asked_about(
-    read: Import, places: dict[str, str], radii: dict[str, str], asked: list[tuple[str, str]]
-) -> None:
-    assert read(robot(modules(places, **radii)))["asked"] == asked
-
-
-def test_one_wheel_that_does_not_steer_as_all_others_do_is_asked_about(read: Import) -> None:
-    """Its joint above turns about a level axis: a slip of the pen. A rocker above each of two wheels is none."""
-    said = read(robot(modules({}).replace('<axis xyz="0 0 1"/>', '<axis xyz="1 0 0"/>', 1)))
-    assert (
-        said["asked"] == [("fl", "type")] and "joint 'fl_s' above it turns about a level axis" in said["text"]
-    )
-    assert read(robot(modules({}).replace('<axis xyz="0 0 1"/>', '<axis xyz="1 0 0"/>', 2)))["asked"] == []
 
 
 @pytest.mark.parametrize(
@@ -162,53 +114,6 @@ def test_a_castor_with_a_transmission(read: Import) -> None:
     transmission = '<transmission><joint name="swivel"/></transmission>'
     said = read(robot(*parts, control("left_joint", "tail_joint"), transmission))
     assert said["asked"] == [("tail", "actuated")] and "hint: [spin]" in said["text"]
-
-
-def test_a_castor_that_stops_like_a_steered_wheel(read: Import) -> None:
-    """A car whose steering nothing drives, its contacts 40 mm off their steering axes."""
-    for stop, asked in ((0.6, [("tail", "type")]), (1.6, []), (0, [])):
-        limits = f'<limit lower="-0.5" upper="{stop}"/>' if stop else ""
-        kind = "revolute" if stop else "continuous"
-        fork = link("fork") + joint("swivel", "base_link", "fork", "-0.3 0 0.2", kind, "0 0 1", more=limits)
-        parts = (
-            pair(),
-            fork,
-            wheel("tail", "-0.04 0 -0.1", parent="fork"),
-            control("left_joint", "right_joint"),
-        )
-        assert read(robot(*parts))["asked"] == asked
-    assert ("tail", "type") not in read(robot(*parts[:3], control("left_joint", "swivel")))["asked"]
-
-
-def test_the_one_wheel_that_is_not_drawn(read: Import) -> None:
-    """A fifth in the middle, as a simulator has it."""
-    visual = f"</collision><visual><geometry>{cylinder('0.1')}</geometry></visual>"
-    corners = enumerate(((0.3, 0.2), (0.3, -0.2), (-0.3, 0.2), (-0.3, -0.2)))
-    drawn = "".join(wheel(f"w{k}", f"{x} {y} 0.1") for k, (x, y) in corners).replace("</collision>", visual)
-    for middle, asked in ((wheel("middle", "0 0 0.1"), [("middle", "type")]), (pair(), [])):
-        assert [q for q in read(robot(drawn, middle))["asked"] if q[1] == "type"] == asked
-
-
-def test_a_drum_on_an_arm_may_be_a_tool(read: Import) -> None:
-    """Lowered to the ground it stands as wheels do. Two on one rocker are wheels, and so are they all on arms."""
-    limits = '<limit lower="-1" upper="1"/>'
-
-    def arm(name: str, x: float, *ends: float) -> str:
-        turns = link(f"{name}_arm") + joint(
-            f"{name}_arm", "base_link", f"{name}_arm", f"{x} 0 0.1", "revolute", more=limits
-        )
-        return turns + "".join(
-            wheel(f"{name}{k}", f"{end} 0 0", parent=f"{name}_arm") for k, end in enumerate(ends)
-        )
-
-    def asked(*parts: str) -> list[tuple[str, str]]:
-        return [
-            q for q in read(robot(*parts, control("left_joint", "right_joint")))["asked"] if q[1] == "type"
-        ]
-
-    assert asked(pair(), arm("drum", -0.2, -0.3)) == [("drum0", "type")]
-    assert asked(pair(), arm("rocker", -0.2, -0.3, 0.1)) == []
-    assert asked(arm("a", 0.2, 0.3), arm("b", -0.2, -0.3)) == []
 
 
 def test_swivels_that_take_velocities_beside_wheels_that_drive(read: Import) -> None:
@@ -276,16 +181,6 @@ def test_a_mesh_beside_its_steering_axis(read: Import) -> None:
         assert (("left", "y") in asked, ("right", "y") in asked) == (doubted, doubted)
 
 
-def test_two_wheels_on_one_shaft(read: Import) -> None:
-    """One joint turns both: rigid parts of it, 0.4 m apart; two sides of one wheel stand nearer."""
-    for half, asked in ((0.2, [("axle", "type")]), (0.04, [])):
-        shaft = link("axle") + joint("axle", "base_link", "axle", "-0.3 0 0.1")
-        for n, y in (("a", half), ("b", -half)):
-            shaft += link(n, cylinder("0.1")) + joint(n, "axle", n, f"0 {y} 0", "fixed", "")
-        said = read(robot(pair(), shaft, control("axle", "left_joint", "right_joint")))
-        assert said["asked"] == asked and said["wheels"]["axle"]["y"] == 0
-
-
 def test_a_sphere_that_nothing_drives(read: Import) -> None:
     """On a joint about one axle, where simulators have it; what carries the robot is a ball."""
     parts = (pair(), wheel("tail", "-0.3 0 0.03", BALL))
@@ -296,17 +191,6 @@ def test_a_sphere_that_nothing_drives(read: Import) -> None:
         robot(*parts).replace(BALL, cylinder("0.03")),
     ):
         assert ("tail", "type") not in read(text)["asked"]
-
-
-def test_rollers_that_reach_further_than_the_wheel_is_drawn(read: Import) -> None:
-    """A hub of 0.1 with rollers of 0.01 on a circle of 0.1."""
-    rollers = ""
-    for k in range(6):
-        c, s = math.cos(math.pi * k / 3), math.sin(math.pi * k / 3)
-        rollers += link(f"r{k}", '<cylinder radius="0.01" length="0.02"/>', rpy=f"0 {-math.pi * k / 3} 0")
-        rollers += joint(f"r{k}", "left_link", f"r{k}", f"{0.1 * c} 0 {0.1 * s}", axis=f"{-s} 0 {c}")
-    said = read(robot(pair(), rollers))
-    assert ("left", "r") in said["asked"] and "0.11 to the rollers' surface" in said["text"]
 
 
 def test_a_scale_that_is_none_is_noted(read: Import) -> None:
@@ -562,9 +446,19 @@ def test_an_articulated_body_looks_like_steering(read: Import) -> None:
                                   more='<limit lower="-0.7" upper="0.7"/>')  # fmt: skip
     wheels = "".join(wheel(n, f"0 {y} 0", parent="front") for n, y in (("a", 0.4), ("b", -0.4)))
     said = read(robot(pair(), front, wheels, control("left_joint", "a_joint")))
-    assert said["asked"] == [("a", "type"), ("b", "type")]
+    assert said["asked"] == [("a", "type")] and said["questions"][0]["also"] == ["b"]
     twin = wheels.replace("0 0.4 0", "0 0.05 0").replace("0 -0.4 0", "0 -0.05 0")
     assert read(robot(pair(), front, twin, control("left_joint", "a_joint")))["asked"] == []
+
+
+def test_a_hitch_is_offered_as_a_trailer(read: Import) -> None:
+    """The hitch is 0.35 m behind the axle of the robot, and 0.8 m ahead of the trailer's axle."""
+    cart = link("cart") + joint("hitch", "base_link", "cart", "-0.3 0 0.1", "revolute", "0 0 1",
+                                more='<limit lower="-0.7" upper="0.7"/>')  # fmt: skip
+    towed = "".join(wheel(n, f"-0.8 {y} 0", parent="cart") for n, y in (("a", 0.4), ("b", -0.4)))
+    said = read(robot(pair(), cart, towed, control("left_joint", "right_joint")))
+    assert said["asked"] == [("a", "type")]
+    assert any("trailers: [{length: 0.8, hitch: 0.35}]" in hint for hint in said["questions"][0]["hints"])
 
 
 def test_a_body_that_turns_above_the_steering_is_asked_about(read: Import) -> None:
@@ -576,7 +470,11 @@ def test_a_body_that_turns_above_the_steering_is_asked_about(read: Import) -> No
         steered += wheel(n, "0 0 0", parent=f"{n}_s")
     driven = control("left_joint", "right_joint", "a_s", "b_s")
     said = read(robot(pair(), waist, steered, driven))
-    assert said["asked"] == [("a", "type"), ("b", "type")] and "'waist'" in said["text"]
+    assert (
+        said["asked"] == [("a", "type")]
+        and said["questions"][0]["also"] == ["b"]
+        and "'waist'" in said["text"]
+    )
     rocker = waist.replace("0 0 1", "1 0 0")
     assert read(robot(pair(), rocker, steered, driven))["asked"] == []
 

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping
 
-from wmrgen.tools.controllers.record import Commands, ControllerType, Lengths, Numbers, Twist, limits
+from wmrgen.tools.controllers.record import Commands, ControllerType, Lengths, Numbers, Release, Twist, limits
 
 
 def commands(t: Numbers, twist: Twist) -> Commands:
@@ -55,19 +55,39 @@ def older(texts: Mapping[str, str]) -> dict[str, str]:
     }
 
 
+_NAMES = {
+    "left_wheel_names": "left",
+    "right_wheel_names": "right",
+    "wheel_separation": "separation",
+    "wheel_separation_multiplier": "separation_factor",
+    "wheel_radius": "left_radius",
+    "left_wheel_radius_multiplier": "left_share",
+    "right_wheel_radius_multiplier": "right_share",
+}
+
+
+def _humble() -> Release:
+    """Return the parameters of Humble, which limits only what `has_velocity_limits` and the like enable.
+
+    doc/migration.rst of ros2_controllers (Humble to Jazzy) says that Jazzy removed them, and its release notes that
+    Jazzy added the limits in reverse; `SpeedLimiter` of Humble has `min_acceleration`.
+    """
+    names, constants = dict(_NAMES), {}
+    for group, term in (("linear.x", "vx"), ("angular.z", "omega")):
+        for key, kind in (("velocity", ""), ("acceleration", "_rate")):
+            names |= {f"{group}.{end}_{key}": f"{term}{kind}.{side}" for end, side in _ENDS.items()}
+            constants[f"{group}.has_{key}_limits"] = ("true", f"{term}{kind}.high")
+    return Release(names, constants)
+
+
+_ENDS = {"max": "high", "min": "low"}
 TYPES = (
     ControllerType(
         "diff_drive_controller/DiffDriveController",
         "differential",
         re.compile(r"^diff_drive_controller[/:]+DiffDriveController$"),
         {
-            "left_wheel_names": "left",
-            "right_wheel_names": "right",
-            "wheel_separation": "separation",
-            "wheel_separation_multiplier": "separation_factor",
-            "wheel_radius": "left_radius",
-            "left_wheel_radius_multiplier": "left_share",
-            "right_wheel_radius_multiplier": "right_share",
+            **_NAMES,
             **limits(linear_x="vx", angular_z="omega"),
         },
         commands,
@@ -77,5 +97,6 @@ TYPES = (
         {"separation_factor": 1.0, "left_share": 1.0, "right_share": 1.0},
         own_lengths,
         older,
+        releases={"humble": _humble()},
     ),
 )

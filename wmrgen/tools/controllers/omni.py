@@ -38,5 +38,7 @@ TYPES = (
         {"ring": ()},
         {"distance": "ring", "radius": "radius"},
         strafes=True,
+        # docs.ros.org has its pages for Jazzy, Kilted and Rolling, and none for Humble.
+        absent=frozenset({"humble"}),
     ),
 )

@@ -23,6 +23,14 @@ class Twist(NamedTuple):
     omega: float  # [rad/s]
 
 
+class Release(NamedTuple):
+    """The parameters that one release of ROS 2 reads, if they are not those of the newest one."""
+
+    names: Names
+    # Parameter -> its value, and the term without which it is left out ("": it is always written).
+    constants: Mapping[str, tuple[str, str]]
+
+
 def with_own_lengths(numbers: Numbers, keys: Mapping[str, str], own: Lengths) -> dict[str, float]:
     """Replace the lengths of a controller by those of a robot.
 
@@ -61,10 +69,17 @@ class ControllerType:
     reads_older: frozenset[Distro] = frozenset()  # releases that read older names
     reads_only_older: frozenset[Distro] = frozenset()  # releases that read no other names
     older_commands: Mapping[Distro, Callable[[Numbers, Twist], Commands]] = field(default_factory=dict)
+    releases: Mapping[Distro, Release] = field(default_factory=dict)  # what `export` writes
+    absent: frozenset[Distro] = frozenset()  # releases without this controller
     steering: frozenset[str] = frozenset()  # terms whose joints take angles
     strafes: bool = False  # vy is used
     turns_on_spot: bool = True  # omega without vx is used
     tag: str = ""  # a Gazebo system's file
+
+    def release(self, distro: Distro | None) -> Release:
+        """Return the parameters of a release; without a release, those of the newest one."""
+        newest = Release(self.names, {})
+        return self.releases.get(distro, newest) if distro else newest
 
     def formula(self, distro: Distro | None) -> Callable[[Numbers, Twist], Commands]:
         """Return the formula of a release; without a release, the newest one."""

@@ -9,7 +9,7 @@ import math
 import re
 from collections.abc import Mapping
 
-from wmrgen.tools.controllers.record import Commands, ControllerType, Distro, Numbers, Twist
+from wmrgen.tools.controllers.record import Commands, ControllerType, Distro, Names, Numbers, Release, Twist
 
 _STEERS = frozenset({"steering"})
 _READ_BOTH: frozenset[Distro] = frozenset({"jazzy"})
@@ -106,6 +106,18 @@ def _pattern(name: str) -> re.Pattern[str]:
     return re.compile(f"^{name}/{words}$")
 
 
+# Steered wheels do not drive, so the formula does not use their radius, but Humble requires a positive number.
+_RADII = {"front_wheels_radius": "radius", "rear_wheels_radius": "radius"}
+
+_TRACKS = {"front_wheel_track": "steering_track", "rear_wheel_track": "traction_track"}
+
+
+def _humble(names: Names) -> Release:
+    """Return the parameters of Humble: doc/migration.rst of ros2_controllers, Humble to Jazzy."""
+    joints = {"front_wheels_names": "steering", "rear_wheels_names": "traction", "wheelbase": "wheelbase"}
+    return Release({**joints, **names}, {"front_steering": ("true", "")})
+
+
 TYPES = (
     ControllerType(
         "tricycle_controller/TricycleController",
@@ -135,6 +147,7 @@ TYPES = (
         older=older,
         reads_older=_READ_BOTH,
         reads_only_older=_READ_OLDER,
+        releases={"humble": _humble({"front_wheel_radius": "radius", "rear_wheel_radius": "radius"})},
         steering=_STEERS,
         turns_on_spot=False,
     ),
@@ -149,6 +162,7 @@ TYPES = (
         older=older,
         reads_older=_READ_BOTH,
         reads_only_older=_READ_OLDER,
+        releases={"humble": _humble({"wheel_track": "traction_track", **_RADII})},
         steering=_STEERS,
         turns_on_spot=False,
     ),
@@ -170,6 +184,11 @@ TYPES = (
         reads_older=_READ_BOTH,
         reads_only_older=_READ_OLDER,
         older_commands={"humble": ackermann_of_humble},
+        releases={
+            "humble": _humble(
+                {"front_wheel_track": "steering_track", "rear_wheel_track": "traction_track", **_RADII}
+            )
+        },
         steering=_STEERS,
         turns_on_spot=False,
     ),

@@ -1,8 +1,8 @@
 """Write the URDF and the controller's parameters of a robot for ros2_control.
 
 The <ros2_control> of the URDF names the joints with their commands and states. The parameters are those of the
-controller of ros2_controllers whose formula is the robot's inverse kinematics (`tools/controllers`). Names are those of
-ros2_controllers 5 and later (Kilted and Rolling).
+controller of ros2_controllers whose formula is the robot's inverse kinematics (`tools/controllers`). Without a release,
+names are those of ros2_controllers 5 and later (Kilted and Rolling).
 """
 
 from __future__ import annotations
@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from wmrgen.errors import NotDerivableError
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.tools.controllers import ros2_controller
+from wmrgen.tools.controllers.record import Distro
 from wmrgen.tools.exporting.drives import drive_with, limits_of, refusing
 from wmrgen.tools.exporting.text import banner, decimal
 from wmrgen.tools.exporting.urdf import urdf
@@ -19,15 +21,26 @@ from wmrgen.tools.exporting.urdf import urdf
 NAME = "base_controller"
 
 
-def ros2_control(robot: Robot) -> dict[str, str]:
+def ros2_control(robot: Robot, distro: Distro | None = None) -> dict[str, str]:
     """Return ``<robot>.urdf`` and ``<robot>_controllers.yaml``.
+
+    Args:
+        robot: The robot.
+        distro: The release of ROS 2 whose parameters are written; None: the newest one.
 
     Raises:
         NotDerivableError: No controller fits, with the reason.
     """
     with refusing(f"{robot.name}: no controller of ros2_controllers fits"):
         drive, record = drive_with(robot, ros2_controller)
-        values = drive.named(record.names, limits_of(robot))
+        if distro in record.absent:
+            raise NotDerivableError(f"{distro} has no {record.name}")
+        release = record.release(distro)
+        limits = limits_of(robot)
+        values: dict[str, Any] = dict(drive.named(release.names, limits))
+    for path, (word, term) in release.constants.items():
+        if not term or term in limits:
+            values[path] = word
     manager = {
         "update_rate": 100,
         "joint_state_broadcaster": {"type": "joint_state_broadcaster/JointStateBroadcaster"},
@@ -39,8 +52,13 @@ def ros2_control(robot: Robot) -> dict[str, str]:
         place = own
         for group in groups:
             place = place.setdefault(group, {})
-        place[key] = value if isinstance(value, float) or key.endswith("names") else value[0]
-    lines = [*banner(robot), "Parameters of ros2_controllers 5 and later. [m], [rad], [s]", *drive.notes]
+        place[key] = value[0] if isinstance(value, tuple) and not key.endswith("names") else value
+    version = f"in {distro.title()}" if distro else "5 and later"
+    lines = [*banner(robot), f"Parameters of ros2_controllers {version}. [m], [rad], [s]", *drive.notes]
+    if distro and distro in record.older_commands:
+        lines.append(
+            f"The formula of {distro.title()} is an older one. Check it: wmrgen compare --distro {distro}"
+        )
     tree = {name: {"ros__parameters": v} for name, v in (("controller_manager", manager), (NAME, own))}
     return {
         f"{robot.name}.urdf": urdf(robot, control=True),

@@ -2,8 +2,9 @@
 
 ``source`` opens the file, ``xacro_process`` resolves xacro in a process with limits. ``read`` takes untrusted XML to
 elements and numbers; ``urdf`` and ``sdf`` take these to records, with ``poses`` and ``gazebo``. ``frames`` composes
-joints, ``view`` sees all from the base. ``candidates``, ``passed``, ``rollers`` and ``wheels`` determine by geometry
-which joints are wheels and of what type; ``controllers`` and ``instructions`` read what drives them. ``questions``,
-``robot_questions``, ``kinds`` and ``couplings`` ask for what the file does not say, ``answers`` reads the answers, and
-``robot_file`` writes the robot file.
+joints, ``view`` sees all from the base. ``candidates``, ``rejections``, ``rollers`` and ``wheels`` determine by
+geometry which joints are wheels and of what type; ``controllers`` and ``instructions`` read what drives them.
+``wheel_questions``, ``robot_questions``, ``type_questions`` and ``couplings`` ask for what the file does not say.
+Each reason to accept, to reject or to ask is a ``rule`` with the description that needs it; rules of questions see a
+``subject``. ``answers`` reads the answers, and ``robot_file`` writes the robot file.
 """

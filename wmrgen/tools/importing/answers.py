@@ -13,17 +13,17 @@ from wmrgen.robotfile.reader import read_tree
 from wmrgen.robotfile.text import MappingNode, Node, Scalar, SequenceNode, quoted
 from wmrgen.tools.importing.records import SUPPORT, Imported, Question
 
-Answers = Mapping[str, str]  # by WHEEL.KEY
+Answers = Mapping[str, str]  # by WHEEL.KEY, or by the name of a choice
 # Words, expressions and lists of them.
 _VALUE = re.compile(r"[A-Za-z0-9_.+*/() -]+|\[[A-Za-z0-9_.+*/(), -]*\]")
 
 
 def read_answers(words: Iterable[str]) -> Answers:
-    """Read words of the form WHEEL.KEY=VALUE. Raise UsageError if a word has another form."""
+    """Read words of the form WHEEL.KEY=VALUE or NAME=CHOICE. Raise UsageError if a word has another form."""
     answers = {}
     for word in words:
         key, equals, value = word.partition("=")
-        if not equals or "." not in key or not _VALUE.fullmatch(value):
+        if not equals or not key.strip() or not _VALUE.fullmatch(value):
             raise UsageError(f"write WHEEL.KEY=VALUE, such as left.r=0.1, not {quoted(word)}")
         answers[key.strip()] = value.strip()
     return answers
@@ -38,7 +38,9 @@ def answered(robot: Imported, answers: Answers) -> Imported:
         UsageError: An answer belongs to no question.
     """
     questions = [q for q in robot.questions if _takes_answer(q)]
-    names = {f"{q.wheel}.{q.key}" for q in questions}
+    names = {q.answer_key for q in questions} | {f"{q.wheel}.{q.key}" for q in questions}
+    for q in questions:
+        names.update(f"{wheel}.{q.key}" for wheel in q.wheels if q.choices and q.key != "type")
     retyped = {
         wheel for q in questions if f"{q.wheel}.type" in answers for wheel in q.wheels if q.key == "type"
     }
@@ -48,7 +50,8 @@ def answered(robot: Imported, answers: Answers) -> Imported:
                 f"The questions are: {' '.join(sorted(names))}." if names else "There is no open question."
             )
             raise UsageError(f"there is no question {quoted(key)}. {asked}")
-    return _filled(replace(robot, answers={**robot.answers, **answers}), answers)
+    own = {key: value for key, value in answers.items() if "." in key}
+    return _filled(replace(robot, answers={**robot.answers, **own}), answers)
 
 
 def updated(robot: Imported, earlier: Path) -> Imported:
@@ -63,10 +66,13 @@ def updated(robot: Imported, earlier: Path) -> Imported:
     """
     written = dict(_values(earlier))
     answers = {}
-    for question in robot.questions:
+    for question in filter(_takes_answer, robot.questions):
         values = [written.get(f"{wheel}.{question.key}", OPEN) for wheel in question.wheels]
-        if _takes_answer(question) and values[0] != OPEN and len(set(values)) == 1:
+        if values[0] != OPEN and len(set(values)) == 1:
             answers[f"{question.wheel}.{question.key}"] = values[0]
+        for word, choice in question.choices.items():
+            if all(written.get(key) == value for key, value in choice.items()):
+                answers[question.name] = word
     return _filled(robot, answers)
 
 
@@ -76,14 +82,33 @@ def _takes_answer(question: Question) -> bool:
 
 
 def _filled(robot: Imported, answers: Answers) -> Imported:
-    """Return the robot with its questions replaced by ``answers``, which belong to questions."""
-    values = dict(robot.answers)
+    """Return the robot with its questions replaced by ``answers``, which belong to questions.
+
+    Raises:
+        UsageError: An answer is none of the choices.
+    """
+    values, rest = dict(robot.answers), list[Question]()
     for question in robot.questions:
-        value = answers.get(f"{question.wheel}.{question.key}")
-        if value is not None:
-            values.update({f"{wheel}.{question.key}": value for wheel in question.wheels})
-    rest = tuple(q for q in robot.questions if f"{q.wheel}.{q.key}" not in answers or not _takes_answer(q))
-    return replace(robot, questions=rest, answers=values)
+        filled = _values_of(question, answers) if _takes_answer(question) else {}
+        values.update(filled)
+        if not filled:
+            rest.append(question)
+    return replace(robot, questions=tuple(rest), answers=values)
+
+
+def _values_of(question: Question, answers: Answers) -> Mapping[str, str]:
+    """Return WHEEL.KEY -> value for the answer to a question; empty if there is none."""
+    word = answers.get(question.name) if question.name else None
+    if word is not None:
+        if word not in question.choices:
+            choices = " or ".join(question.choices)
+            raise UsageError(f"{question.name} is {choices}, not {quoted(word)}")
+        return question.choices[word]
+    own = [f"{wheel}.{question.key}" for wheel in question.wheels]
+    if question.choices and question.key != "type":  # each wheel has a value of its own
+        return {key: answers[key] for key in own} if all(key in answers for key in own) else {}
+    value = answers.get(own[0])
+    return {} if value is None else dict.fromkeys(own, value)
 
 
 def _values(file: Path) -> Iterator[tuple[str, str]]:

@@ -29,7 +29,7 @@ _OPERATORS: dict[type[ast.operator], str] = {
 }
 # By type and vars all of Python is reached; the others compute for ever.
 _SHUT = frozenset("type vars factorial comb perm".split())
-_CHARACTERS = 2_000
+_CHARACTERS = 2_000  # of an expression
 _SIZED = (str, bytes, dict, list, tuple, set, frozenset)
 _LARGEST, _BITS, _STEPS = 50_000, 4_096, 20_000  # steps: a PR2 takes 16,258
 

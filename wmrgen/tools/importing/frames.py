@@ -54,6 +54,16 @@ def turned(rotation: Matrix, vector: Vector) -> Vector:
 
 
 def plus(a: Vector, b: Vector, factor: Fraction | int = 1) -> Vector:
+    """Return a + factor b.
+
+    Args:
+        a: A vector.
+        b: A vector.
+        factor: The factor of b.
+
+    Returns:
+        The sum.
+    """
     return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
 
 
@@ -103,8 +113,19 @@ def unit(vector: Vector) -> Vector:
 def tree(
     joints: Sequence[Joint], links: Collection[str], notes: list[str]
 ) -> tuple[tuple[Joint, ...], tuple[Joint, ...]]:
-    """The joints of the tree, and those that give a link a second parent, which are noted. RobotFileError for links
-    that are not there, and for joints in a circle."""
+    """Return the joints of the tree, and those that give a link a second parent.
+
+    Args:
+        joints: All joints.
+        links: The names of all links.
+        notes: A list to which a note on each second parent is appended.
+
+    Returns:
+        The joints of the tree and the others.
+
+    Raises:
+        RobotFileError: A link is missing, or joints form a circle.
+    """
     if len(joints) > MAX_JOINTS:
         raise RobotFileError(f"more than {MAX_JOINTS} joints", joints[MAX_JOINTS].mark, code=Code.DESCRIPTION)
     above: dict[str, Joint] = {}

@@ -73,8 +73,12 @@ def driven_by_control(root: Element) -> set[str]:
 def transmitted(root: Element, interface: str = "") -> set[str]:
     """The joints of transmissions; with an ``interface``, such as Position, only of those that take that."""
     joints = [joint for each in children(root, "transmission") for joint in children(each, "joint")]
-    says = {j.get("name", ""): "".join(e.text or "" for e in below(j, "hardwareInterface")) for j in joints}
-    return {name for name, text in says.items() if interface in text}
+    names = set()
+    for joint in joints:
+        text = "".join(e.text or "" for e in below(joint, "hardwareInterface"))
+        if interface in text:
+            names.add(joint.get("name", ""))
+    return names
 
 
 def friction(element: Element, link: str) -> Friction | None:
@@ -83,10 +87,9 @@ def friction(element: Element, link: str) -> Friction | None:
     direction = next(below(element, "fdir1"), None)
     if direction is None:
         return None
-    sizes = [
-        next((e.text or "1" for tag in tags for e in below(element, tag)), "1")
-        for tags in (("mu1", "mu", "friction_coefficient"), ("mu2", "friction2"))
-    ]
+    sizes = []
+    for tags in (("mu1", "mu", "friction_coefficient"), ("mu2", "friction2")):
+        sizes.append(next((e.text or "1" for tag in tags for e in below(element, tag)), "1"))
     frame_of = [
         v for k, v in direction.attrib.items() if k.rsplit("}", 1)[-1].rsplit(":", 1)[-1] == "expressed_in"
     ]

@@ -16,11 +16,11 @@ from wmrgen.tools.importing.frames import plus, transposed, turned
 from wmrgen.tools.importing.read import below, child, children, local, parse
 from wmrgen.tools.importing.records import Frame, Vector
 
-MAX_BYTES = 32 * 1024 * 1024
+MAX_BYTES = 32 * 1024 * 1024  # of a mesh; larger files are not read
 _NUMBER = rb"\s+([-+.\deE]{1,40})"
 _VERTEX = re.compile(rb"^\s*vertex" + 3 * _NUMBER, re.MULTILINE)
 _OBJ_VERTEX = re.compile(rb"^v" + 3 * _NUMBER, re.MULTILINE)
-_DEPTH = 32
+_DEPTH = 32  # of nodes in nodes of a COLLADA scene
 _RIM = 0.98  # of the largest distance from the axle, what belongs to the rim of a wheel
 _TRIANGLE = np.dtype([("normal", "<3f4"), ("corners", "<9f4"), ("attribute", "<u2")])  # of a binary STL
 Reals = NDArray[np.float64]
@@ -39,7 +39,19 @@ class Reach:
 
 
 def reach(data: bytes, name: str, scale: Vector, where: Frame, origin: Vector, axis: Vector) -> Reach | None:
-    """What a mesh in the frame ``where`` covers about an axle; None for what is no mesh that is read here."""
+    """Return how far a mesh reaches from an axle.
+
+    Args:
+        data: The content of the file.
+        name: The name of the file.
+        scale: Factors along the axes of the mesh.
+        where: The frame of the mesh.
+        origin: A point of the axle [m].
+        axis: The unit vector of the axle.
+
+    Returns:
+        None if the file is no mesh that is read here.
+    """
     try:
         cloud = points(data, name)
     except (RobotFileError, ValueError, OverflowError):

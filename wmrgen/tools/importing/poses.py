@@ -45,8 +45,15 @@ class FrameGraph:
         self._carriers: dict[str, str] = {}
 
     def add(self, name: str, reference: str, where: Frame, carrier: str, mark: Mark | None = None) -> None:
-        """A frame at ``where`` in ``reference``, as it stands at ``mark``, rigid with ``carrier``: a link or another
-        frame. The first of a name counts."""
+        """Add a frame; the first of a name counts.
+
+        Args:
+            name: The full name.
+            reference: The frame in which it is given.
+            where: Its pose in ``reference``.
+            carrier: The link or frame with which it is rigid.
+            mark: Its place in the file.
+        """
         self._within.setdefault(name, (reference, where, mark))
         self._carriers.setdefault(name, carrier)
 

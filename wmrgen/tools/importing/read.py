@@ -21,9 +21,9 @@ from wmrgen.robotfile.text import Source, bytes_of, printable, quoted
 from wmrgen.tools.importing.frames import unit
 from wmrgen.tools.importing.records import Vector
 
-MAX_BYTES = 4 * 1024 * 1024
-MAX_ELEMENTS = 100_000
-MAX_DEPTH = 64
+MAX_BYTES = 4 * 1024 * 1024  # of a description; the largest known has 0.3 MiB
+MAX_ELEMENTS = 100_000  # of XML
+MAX_DEPTH = 64  # of elements in elements
 _NUMBER = re.compile(r"([+-]?)(\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE]([+-]?\d{1,4}))?")
 _ENDLESS = re.compile(r"([+-]?)(?:inf(?:inity)?|[\d.]{1,40}e\+?(?:[3-9]\d|\d{3,4}))", re.IGNORECASE)
 _LARGEST, _SMALLEST = 30, -30  # exponents; below is zero
@@ -34,6 +34,17 @@ ZERO: Vector = (Fraction(0), Fraction(0), Fraction(0))
 
 
 def refuse(what: str, why: str = "", instead: str = "", mark: Mark | None = None) -> RobotFileError:
+    """Return the error for a description that cannot be read.
+
+    Args:
+        what: What is wrong.
+        why: The reason.
+        instead: What to write.
+        mark: The place in the file.
+
+    Returns:
+        The error, which the caller raises.
+    """
     return RobotFileError(what, mark, why, instead, Code.DESCRIPTION)
 
 
@@ -103,9 +114,21 @@ class _Builder(TreeBuilder):
 
 
 def parse(text: bytes, file: str, most: int = MAX_BYTES, strict: bool = False) -> Element:
-    """The root of `Placed` elements of a ``file``, a path. RobotFileError for what is no XML, has a document type or is
-    too large. Unless ``strict``, -- in comments, prefixes that are not declared and what stands before the declaration
-    of XML are read, as simulators do."""
+    """Return the root of `Placed` elements of a text.
+
+    Args:
+        text: The content of the file.
+        file: The path of the file.
+        most: The largest size [bytes].
+        strict: Whether to reject what simulators read all the same: -- in comments, prefixes that are not declared, and
+            text before the declaration of XML.
+
+    Returns:
+        The root.
+
+    Raises:
+        RobotFileError: The text is no XML, has a document type, or is too large.
+    """
     try:
         from defusedxml.common import DefusedXmlException
     except ImportError:
@@ -212,7 +235,16 @@ def number(text: str, what: str) -> Fraction:
 
 
 def vector(text: str | None, what: str, default: Vector = ZERO) -> Vector:
-    """Three numbers; ``default`` where nothing is written."""
+    """Return three numbers.
+
+    Args:
+        text: The words of the file.
+        what: The name of the value in messages.
+        default: The value if nothing is written.
+
+    Returns:
+        The numbers.
+    """
     parts = (text or "").split()
     if not parts:
         return default
@@ -229,7 +261,16 @@ def bound(text: str, what: str) -> Fraction:
 
 
 def radius_in(text: str, what: str, notes: list[str]) -> Fraction | None:
-    """A radius [m]; None where nothing is written, and for one below zero, which is noted."""
+    """Return a radius [m].
+
+    Args:
+        text: The word of the file.
+        what: The name of the value in messages.
+        notes: A list to which a note on a negative radius is appended.
+
+    Returns:
+        None if nothing is written, or the radius is negative.
+    """
     value = number(text, f"{what} radius") if text else None
     if value is not None and value < 0:
         notes.append(f"{what}: a radius of {text.strip()} is not read")

@@ -90,7 +90,7 @@ class Description:
     ``words``: names of plugins, meshes and the robot, which may say that wheels have rollers. ``controllers``: what
     drive plugins are told. ``closing``: joints that would give a link a second parent. ``transmitted``: driven joints
     that only a transmission names, and not for positions, which is no proof of a motor; ``commanded``: those of them
-    that take velocities. ``masses``: link -> its centre of mass, in its frame. ``pushing``: joints and links that
+    that take velocities. ``pushing``: joints and links that
     push air or water."""
 
     name: str
@@ -106,7 +106,6 @@ class Description:
     transmitted: frozenset[str] = frozenset()
     commanded: frozenset[str] = frozenset()
     pushing: frozenset[str] = frozenset()
-    masses: Mapping[str, Vector] = field(default_factory=dict)
     file_of: Callable[[str], bytes | None] = field(default=lambda uri: None)
 
 
@@ -118,7 +117,15 @@ class Question:
     key: str  # of the robot file
     text: str
     hints: tuple[str, ...] = ()
-    also: tuple[str, ...] = ()  # the other wheels that have the same answer
+    also: tuple[str, ...] = ()  # the other wheels that the answer is for
+    # Word of the answer -> WHEEL.KEY -> value. Without choices all wheels have the same value.
+    choices: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    name: str = ""  # of the answer, if it is a choice
+
+    @property
+    def answer_key(self) -> str:
+        """What `--answer` calls it."""
+        return self.name or f"{self.wheel}.{self.key}"
 
     @property
     def wheels(self) -> tuple[str, ...]:

@@ -32,7 +32,15 @@ def as_json(robot: Imported) -> dict[str, Any]:
         "base": robot.base,
         "wheels": [_wheel_json(wheel) for wheel in robot.wheels],
         "questions": [
-            {"wheel": q.wheel, "key": q.key, "text": q.text, "hints": list(q.hints), "also": list(q.also)}
+            {
+                "wheel": q.wheel,
+                "key": q.key,
+                "text": q.text,
+                "hints": list(q.hints),
+                "also": list(q.also),
+                "answer": q.answer_key,
+                "choices": list(q.choices),
+            }
             for q in robot.questions
         ],
     }
@@ -89,19 +97,20 @@ def _wheel(wheel: Wheel, answers: Mapping[str, str], questions: Sequence[Questio
     """Yield the lines of a wheel; ``answers`` by WHEEL.KEY replace what the description says."""
     values = dict(_values(wheel))
     values.update({key.partition(".")[2]: value for key, value in answers.items()})
-    asked = {q.key for q in questions}
+    asked = dict.fromkeys(q.key for q in questions)
     joints = _joints(wheel)
     if joints and not ("type" in asked and wheel.actuated == ()):  # it may be a ball, which has no joints
         values["joints"] = joints
-    for key in asked - set(values):
-        values[key] = OPEN
+    for key in asked:
+        values.setdefault(key, OPEN)
     for position, (key, value) in enumerate(values.items()):
         indent = "  - " if position == 0 else "    "
         for question in questions:
             if question.key == key and question.wheel == wheel.name:
                 yield from _asked(question, "    ")
             elif question.key == key:
-                yield from _comment(f"? the same answer as {question.wheel}.{key}", "    ")
+                words = "belongs to the question of" if question.choices else "the same answer as"
+                yield from _comment(f"? {words} {question.wheel}.{key}", "    ")
         remark = "answered" if f"{wheel.name}.{key}" in answers else wheel.remarks.get(key, "")
         shown = OPEN if key in asked else value
         yield f"{indent}{key}: {shown}" + (f"   # {remark}" if remark else "")
@@ -111,6 +120,9 @@ def _asked(question: Question, indent: str) -> Iterator[str]:
     yield from _comment(f"? {question.text}", indent)
     for hint in question.hints:
         yield from _comment(f"  hint: {hint}", indent)
+    for word, values in question.choices.items():
+        each = ", ".join(f"{key}: {value}" for key, value in values.items())
+        yield from _comment(f"  {word}: {each}, which is --answer {question.answer_key}={word}", indent)
 
 
 def _support(questions: Sequence[Question]) -> Iterator[str]:

@@ -1,52 +1,189 @@
-"""What must be asked of a robot as a whole: its motors, its front, what else carries it."""
+"""Rules that ask about the robot as a whole: its motors, its front, the planes of its wheels, what else carries it."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from wmrgen.robotfile.names import role
 from wmrgen.robotfile.text import quoted
 from wmrgen.robotfile.wheel_types.types import CASTOR, FIXED, STEERED, SWEDISH
 from wmrgen.tools.importing.candidates import rigid_wheels
-from wmrgen.tools.importing.frames import ancestors, dot, plus
-from wmrgen.tools.importing.passed import Passed
-from wmrgen.tools.importing.records import MODEL, SUPPORT, Joint, Question, Wheel
-from wmrgen.tools.importing.view import COAXIAL, UNSEEN, UPRIGHT, Candidate, Robot
+from wmrgen.tools.importing.frames import ancestors, plus
+from wmrgen.tools.importing.mecanum import MECANUM_TEXT, ROLLERS, mecanum_choices
+from wmrgen.tools.importing.records import DIGITS, MODEL, SUPPORT, Question, Wheel
+from wmrgen.tools.importing.rule import rule
+from wmrgen.tools.importing.subject import RobotRule, Subject
+from wmrgen.tools.importing.view import EVEN, UNSEEN, UPRIGHT, Candidate, Mesh, Robot
 
 DIRECTIONS = {"x": (1, 0), "y": (0, 1), "-x": (-1, 0), "-y": (0, -1)}
 _ALONG = math.cos(math.radians(20))
 _CHASSIS = re.compile("(base(_link|_footprint)?|chassis|body)$")
 _CARRIES = re.compile("cast[eo]r|ball|skid|support|slider|wheel|omni", re.IGNORECASE)
-_STRAIGHT = Fraction(1, 10**6)  # [m^2]
-_CAD, _EVENLY = (
-    Fraction(5, 1000),
-    Fraction(1, 1000),
-)  # [m] by which one place differs from others; as they do among them
+_STRAIGHT = Fraction(1, 10**6)  # [m^2] twice the area between wheels on one line
 _LOW = Fraction(15, 1000)  # [m] above the ground, what still carries
+_OFF = 2e-3  # [m] a smaller distance of a mesh from its joint along the axle is not asked about
+
+RULES: list[RobotRule] = []
+LAST: list[RobotRule] = []  # asked only if something else is, or if a hint says what carries the robot
 
 
-def motors_unknown(wheels: Sequence[Wheel]) -> list[Question]:
-    """Where the file drives no wheel, and not all need be driven; or where it moves the body as a whole."""
+@rule(
+    RULES,
+    "rollers",
+    "Wheels with rollers whose directions the description does not say would be a guess.",
+    "lekiwi, festo_robotino: omni wheels; eight of 17 such robots in the collection of 72",
+)
+def _rollers(subject: Subject) -> Iterator[Question]:
+    unknown = [w for w in subject.wheels if w.type == SWEDISH.name and w.gamma is None]
+    if not unknown:
+        return
+    names = [w.name for w in unknown]
+    why = tuple(filter(None, [unknown[0].remarks.get("type", "")]))
+    if choices := mecanum_choices(unknown):
+        yield Question(names[0], "gamma", MECANUM_TEXT, why, tuple(names[1:]), choices, ROLLERS)
+        return
+    text = (
+        "which way do the rollers stand? Look at the wheel from above, through it at the roller that touches the "
+        "ground (those on top cross it): gamma is the angle from the rolling direction to that roller's axis, "
+        "counter-clockwise"
+    )
+    if _any_way(unknown) and len(unknown) == len(subject.wheels):
+        yield Question(names[0], "gamma", text, ("0 for omni wheels", *why), tuple(names[1:]))
+        return
+    for name in names:
+        yield Question(
+            name, "gamma", text, ("0 for an omni wheel", "pi/4 or -pi/4 for a mecanum wheel", *why)
+        )
+
+
+@rule(
+    RULES,
+    "plane of a mesh",
+    "A wheel that is a mesh need not touch the ground at its joint: the track would be wrong.",
+    "lekiwi, jpl_osr",
+)
+def _planes(subject: Subject) -> Iterator[Question]:
+    robot = subject.robot
+    meshes = [() if c.shape or c.unsure else robot.meshes(c) for c in subject.seen]
+    off = [_beside(own) for own in meshes]
+    asked = []
+    for w, own, shifts in zip(subject.wheels, meshes, off, strict=True):
+        aside = any(abs(shift) >= _OFF for shift in shifts.values())
+        asked.append(aside or bool(own and w.offset_y and not _measured(own)))
+    # Another wheel may have the same mesh, whose middle is as far off the joint.
+    doubted = {mesh.name for own, is_asked in zip(meshes, asked, strict=True) if is_asked for mesh in own}
+    for (w, c), own, shifts, is_asked in zip(subject.pairs, meshes, off, asked, strict=True):
+        if is_asked or not (_measured(own) or all(mesh.name not in doubted for mesh in own)):
+            yield _plane_question(w, c, shifts)
+
+
+def _plane_question(w: Wheel, c: Candidate, shifts: dict[str, float]) -> Question:
+    text = "the wheel is a mesh: where along its axle does it touch the ground? The joint need not be in its middle"
+    axis = 0 if abs(c.axis[0]) > abs(c.axis[1]) else 1
+    key, at, share = "xy"[axis], float(c.centre[axis]), float(c.axis[axis])
+    if w.offset_y is not None:
+        key, at, share = "offset_y", float(w.offset_y), 1.0
+    hints = (f"{round(at + share * shift, DIGITS):.6g} at the {words}" for words, shift in shifts.items())
+    return Question(w.name, key, text, (f"{at:.6g} at the joint", *hints))
+
+
+def _measured(meshes: Sequence[Mesh]) -> bool:
+    return any(mesh.reach for mesh in meshes)
+
+
+def _beside(meshes: Sequence[Mesh]) -> dict[str, float]:
+    """How far the middles of meshes are off the joint along the axle [m], else their origins."""
+    middles = {f"middle of the {m.words}": (m.reach.low + m.reach.high) / 2 for m in meshes if m.reach}
+    return middles or {f"origin of the {m.words}": m.shift for m in meshes}
+
+
+@rule(
+    RULES,
+    "motors",
+    "A description without ros2_control, transmission or plugin does not say which wheels have motors.",
+    "mushr, cart_soft_suspension_sdf: no motors; festo_robotino: the body moves as a whole",
+)
+def _motors(subject: Subject) -> Iterator[Question]:
+    for name, text, hints in _motor_questions(subject.wheels):
+        yield Question(name, "actuated", text, hints)
+
+
+def _motor_questions(wheels: Sequence[Wheel]) -> list[tuple[str, str, tuple[str, str]]]:
+    """Return the wheels whose motors are not known, with text and hints."""
     steering = [w for w in wheels if w.type == STEERED.name]
     fixed = [w for w in wheels if w.type == FIXED.name]
     if all(w.actuated == () for w in wheels):
         text = "the file drives no joint of a wheel, or moves the body as a whole: which have motors?"
-        return [Question(w.name, "actuated", text, ("[spin]", "[]")) for w in wheels if w.type != CASTOR.name]
+        return [(w.name, text, ("[spin]", "[]")) for w in wheels if w.type != CASTOR.name]
     if any(w.actuated is not None for w in wheels):
         return []
     text = "the file does not say which joints are driven"
     if all(w.type == CASTOR.name for w in wheels):
-        return [Question(w.name, "actuated", text, ("[spin, steer]", "[]")) for w in wheels]
+        return [(w.name, text, ("[spin, steer]", "[]")) for w in wheels]
     if fixed and steering:
-        return [Question(w.name, "actuated", text, ("[steer]", "[spin, steer]")) for w in steering]
-    return [Question(w.name, "actuated", text, ("[spin]", "[]")) for w in fixed if len(fixed) > 2]
+        return [(w.name, text, ("[steer]", "[spin, steer]")) for w in steering]
+    return [(w.name, text, ("[spin]", "[]")) for w in fixed if len(fixed) > 2]
 
 
-def front_doubted(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
-    """Where the wheels roll along y, their names contradict their places, or nothing tells where x points."""
+@rule(
+    RULES,
+    "articulated body",
+    "The joint of an articulated body, or of a hitch, looks like the steering axis of the wheels that it carries.",
+    "kloubak, of the collection of 72",
+)
+def _articulated(subject: Subject) -> Iterator[Question]:
+    robot, wheels = subject.robot, subject.wheels
+    groups: dict[str, list[Wheel]] = {}
+    words: dict[str, tuple[str, str]] = {}
+    for w, c in subject.pairs:
+        if above := next((j for j in c.via if robot.upright(j)), None):
+            text = f"joint {quoted(above.name)} turns its steering axis, too, and is taken at zero"
+            joint, words[above.name] = above.name, (text, "keep it if that joint never turns")
+        elif w.steer_joint and _carries_far(w, wheels):
+            text = "its steering axis carries several wheels far from it"
+            joint, words[w.steer_joint] = w.steer_joint, (text, "keep it if it steers")
+        else:
+            continue
+        groups.setdefault(joint, []).append(w)
+    for joint, own in groups.items():
+        text, keep = words[joint]
+        hints = (keep, *_as_trailer(own, wheels))
+        also = tuple(w.name for w in own[1:])
+        yield Question(own[0].name, "type", f"{text}: is the robot articulated there?", hints, also)
+
+
+def _carries_far(w: Wheel, wheels: Sequence[Wheel]) -> bool:
+    """Return whether a steering axis carries several wheels, and a wheel is far from it."""
+    return _companions(w, wheels) and math.hypot(w.d or 0, w.offset_y or 0) > 2 * (w.r or UNSEEN)
+
+
+def _as_trailer(own: Sequence[Wheel], wheels: Sequence[Wheel]) -> tuple[str, ...]:
+    """Return the hints how to write the part of the body with the wheels ``own`` as a trailer."""
+    none = "a robot file has no articulated bodies; what is towed is listed under trailers:"
+    others = [w for w in wheels if w.type == FIXED.name and w not in own]
+    axles = [float(w.x) + float(w.d or 0) * math.cos(w.heading or 0.0) for w in own]
+    places = [float(w.x) for w in others]
+    one_axle = bool(places) and max(places) - min(places) < EVEN and max(axles) - min(axles) < EVEN
+    length, hitch = float(own[0].x) - axles[0], (places[0] if places else 0.0) - float(own[0].x)
+    if not one_axle or length <= 0:
+        return (none,)
+    written = f"trailers: [{{length: {length:.6g}, hitch: {hitch:.6g}}}]"
+    return (f"delete the wheels, and write {written} if it is towed", none)
+
+
+@rule(
+    RULES,
+    "front",
+    "The x axis of a CAD frame need not point forward.",
+    "lekiwi: a CAD plate; scout_mini, open_base and prius_hybrid of the collection of 72 roll along y",
+)
+def _front(subject: Subject) -> Iterator[Question]:
+    robot, wheels, seen = subject.robot, subject.wheels, subject.seen
+    if subject.forward_given:
+        return
     first = wheels[0]
     headings = [w.heading for w in wheels if w.heading is not None and w.type != CASTOR.name]
     labels = [
@@ -66,131 +203,13 @@ def front_doubted(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidat
     elif _any_way(wheels) and not _CHASSIS.search(robot.base) and robot.base != MODEL:
         why = f"the frame {quoted(robot.base)} is not called that of a robot, and the wheels do not tell"
     else:
-        return []
+        return
     turned = "" if best == "x" else f"; --forward {best}: its {best} is, as it seems to be"
     shown = "" if first.heading is None else f" {first.heading:.6g}"
     hint = (
         f"import again with --forward x: x is forward, and the heading is{shown} as the file has it{turned}"
     )
-    return [Question(first.name, "heading", f"which way is forward? In {quoted(robot.base)} {why}", (hint,))]
-
-
-def corner_asked(wheels: Sequence[Wheel]) -> list[Question]:
-    """Of four wheels of a kind three stand at corners of a rectangle, and one near the fourth, but not there."""
-    text = "the other three wheels stand at corners of a rectangle, this one not at the fourth: does it stand so?"
-    for w in wheels:
-        others = [other for other in wheels if other.type == w.type and other is not w]
-        corner = _corner(others) if len(others) == 3 else None
-        questions = []
-        for key, at, to in zip("xy", (w.x, w.y), corner, strict=True) if corner else ():
-            if _CAD < abs(at - to) < abs(to) / 4:
-                hints = (f"{float(at):.6g} as in the file", f"{float(to):.6g} at the corner")
-                questions.append(Question(w.name, key, text, hints))
-        if questions:
-            return questions
-    return []
-
-
-def _corner(three: Sequence[Wheel]) -> tuple[Fraction, Fraction] | None:
-    """The fourth corner of the rectangle, its sides along x and y, of which three wheels are corners."""
-    corner = []
-    for places in ([w.x for w in three], [w.y for w in three]):
-        a, b, c = sorted(places)
-        if min(b - a, c - b) > _EVENLY or c - a < 10 * _CAD:
-            return None
-        corner.append(c if b - a < c - b else a)
-    return corner[0], corner[1]
-
-
-def articulated(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
-    """A joint that steers wheels far from it, or turns about an upright axis above one that steers: it may turn a part
-    of the body."""
-    none = "a robot file has no articulated bodies; what is towed stands under trailers:"
-    questions = []
-    for w, c in zip(wheels, seen, strict=True):
-        if above := next((j for j in c.via if robot.upright(j)), None):
-            text = f"joint {quoted(above.name)} turns its steering axis, too, and is taken at zero"
-            keep = "keep it if that joint never turns"
-        elif _companions(w, wheels) and math.hypot(w.d or 0, w.offset_y or 0) > 2 * (w.r or UNSEEN):
-            text, keep = "its steering axis carries several wheels far from it", "keep it if it steers"
-        else:
-            continue
-        questions.append(Question(w.name, "type", f"{text}: is the robot articulated there?", (keep, none)))
-    return questions
-
-
-def odd_one_asked(wheels: Sequence[Wheel]) -> list[Question]:
-    """One of four or more wheels that are driven alike differs from all others, which are alike: in its radius, or how
-    far its contact lies off the steering axis."""
-    questions = []
-    for w in wheels:
-        others = [other for other in wheels if other is not w and _driven_alike(w, other)]
-        keys = ("d", "offset_y", "r")[: 3 if all(each.r for each in (w, *others)) else 2]
-        for key in keys if len(others) > 2 else ():
-            own, *rest = (abs(getattr(each, key) or Fraction(0)) for each in (w, *others))
-            off = min(abs(own - other) for other in rest)
-            if off > (own / 50 if key == "r" else _CAD) and max(rest) - min(rest) < _EVENLY:
-                text = f"its {key} is {float(own):.6g}, that of the {len(rest)} others {float(rest[0]):.6g}"
-                asked = "type" if key == "d" else key
-                hints = (f"{_shown(w, key)} as in the file", f"{_shown(others[0], key)} as the others")
-                questions.append(Question(w.name, asked, f"{text}: does this wheel stand so?", hints))
-    return questions
-
-
-def undrawn_asked(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
-    """One wheel of three or more is not drawn, the others are."""
-    roles = [robot.roles(c.joint.child) for c in seen]
-    drawn = ["visual" in each for each in roles]
-    if len(wheels) < 3 or drawn.count(False) != 1 or roles[drawn.index(False)] != {"collision"}:
-        return []
-    w = wheels[drawn.index(False)]
-    text = "it touches the ground and is not drawn, as all other wheels are: is it a simulator's?"
-    hint = "delete it where it is, {} where the robot has it"
-    return [Question(w.name, "type", text, (hint.format(w.type),))]
-
-
-def tool_asked(robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
-    """What hangs alone, without a mirror image, on a joint that turns about an axis like its own, where two or more
-    wheels hang on none, may be a drum or a brush that an arm lowers."""
-    text = "it alone hangs on {}, which turns about a level axis, as arms do: is it a wheel, or a tool?"
-    hint = "{} where it is a wheel; delete it where it is none"
-    arms = [next((j for j in c.via if _pitches(robot, j, c)), None) for c in seen]
-    places = [(w.x, -w.y) for w in wheels]
-    questions = []
-    for w, arm in zip(wheels, arms, strict=True):
-        mirrored = any(
-            math.dist(at, (w.x, w.y)) < _CAD for v, at in zip(wheels, places, strict=True) if v is not w
-        )
-        if arm and not mirrored and arms.count(arm) == 1 and arms.count(None) > 1:
-            questions.append(Question(w.name, "type", text.format(quoted(arm.name)), (hint.format(w.type),)))
-    return questions
-
-
-def _pitches(robot: Robot, joint: Joint, c: Candidate) -> bool:
-    return joint.turns and abs(dot(robot.axis(joint), c.axis)) > COAXIAL
-
-
-def steering_missed(wheels: Sequence[Wheel], seen: Sequence[Candidate]) -> list[Question]:
-    """One wheel does not steer, all others do, and a joint above it turns about an axis that is not upright."""
-    plain = [(w, c) for w, c in zip(wheels, seen, strict=True) if not w.steer_joint]
-    if len(plain) != 1 or len(wheels) < 4:
-        return []
-    (w, c), *_ = plain
-    above = (j for j in c.via if j.turns)
-    text = "all other wheels steer, and joint {} above it turns about a level axis: does it steer, too?"
-    hints = ("steered, where it does", f"{w.type}, where it does not")
-    return [Question(w.name, "type", text.format(quoted(j.name)), hints) for j in above][:1]
-
-
-def _driven_alike(w: Wheel, other: Wheel) -> bool:
-    steers = [each.steer_joint is not None for each in (w, other)]
-    return w.actuated == other.actuated and (all(steers) or (not any(steers) and w.type == other.type))
-
-
-def _shown(w: Wheel, key: str) -> str:
-    if key == "d":
-        return f"castor, with d: {float(w.d or 0):.6g}," if w.type == CASTOR.name else "steered, without d,"
-    return f"{float(getattr(w, key) or 0):.6g}"
+    yield Question(first.name, "heading", f"which way is forward? In {quoted(robot.base)} {why}", (hint,))
 
 
 def _companions(wheel: Wheel, wheels: Sequence[Wheel]) -> bool:
@@ -219,30 +238,45 @@ def _misses(wheels: Sequence[Wheel], labels: Sequence[str], forward: tuple[int, 
     return count
 
 
-def support_asked(
-    robot: Robot, wheels: Sequence[Wheel], seen: Sequence[Candidate], passed: Sequence[Passed]
-) -> list[Question]:
-    """A castor whose joints are fixed; or what carries wheels that all stand on one line, where no body does.
-    ``passed``: what looks like wheels and is none."""
-    for rigid in (c for c in rigid_wheels(robot, seen) if c.joint.axis and c.shape and c.shape.cylinder):
-        return [Question(SUPPORT, "type", *_castor(robot, rigid))]
-    own = {link for c in seen for link in (c.joint.child, *(j.child for j in robot.under(c.joint.child)))}
-    own |= {each.joint.child for each in passed}
-    others = [link for link in robot.description.links if link not in own and robot.reaches(link)]
+@rule(
+    LAST,
+    "castor on fixed joints",
+    "A castor whose swivel and axle are fixed is no wheel that turns, though it carries the robot.",
+    "andino",
+)
+def _rigid_castor(subject: Subject) -> Iterator[Question]:
+    for c in rigid_wheels(subject.robot, subject.seen):
+        if c.joint.axis and c.shape and c.shape.cylinder:
+            yield Question(SUPPORT, "type", *_castor(subject.robot, c))
+            return
+
+
+@rule(
+    LAST,
+    "what carries the rest",
+    "Wheels on one line do not carry a robot: a castor is missing, which constrains nothing but need be known.",
+    "rby1a, pioneer2dx_sdf",
+)
+def _support(subject: Subject) -> Iterator[Question]:
+    robot, wheels, seen, passed = subject.robot, subject.wheels, subject.seen, subject.rejected
     if any(w.type == CASTOR.name for w in wheels) or not _on_a_line([c.centre[:2] for c in seen]):
-        return []
+        return
+    own = {each.joint.child for each in passed}
+    for c in seen:
+        own |= {c.joint.child, *(j.child for j in robot.under(c.joint.child))}
+    others = [link for link in robot.description.links if link not in own and robot.reaches(link)]
     ground = min(c.lowest if c.shape else c.lowest - c.radius for c in seen)
     low = [(link, *ball) for link in others for ball in robot.balls(link) if ball[1] - ground < _LOW]
     bodies = robot.description.shapes
     if any(_CARRIES.search(link) for link in others) or any(len(bodies[link]) == 1 for link, _, _ in low):
-        return []
+        return
     text = "the wheels stand on one line, and no other body of the file stands on the ground: what carries the rest?"
     hints = [
         f"a ball of {quoted(link)} at x = {float(x):.6g}, y = {float(y):.6g}: spherical"
         for link, (x, y, _), _ in low
     ]
     hints += [f"{quoted(each.joint.name)}, where {each.why}" for each in passed]
-    return [Question(SUPPORT, "type", text, tuple(dict.fromkeys(hints)))]
+    yield Question(SUPPORT, "type", text, tuple(dict.fromkeys(hints)))
 
 
 def _castor(robot: Robot, c: Candidate) -> tuple[str, tuple[str, ...]]:

@@ -60,7 +60,9 @@ def names_of(robot: Robot, c: Candidate) -> Iterator[str]:
 def _mirrored(robot: Robot, wheels: Sequence[Candidate]) -> str:
     """What four meshes say of which the diagonals are alike, and the sides are not."""
     at: dict[tuple[bool, bool], tuple[str, bool]] = {}
-    middle = [sum((w.centre[k] for w in wheels), Fraction(0)) / len(wheels) for k in (0, 1)]
+    xs = [w.centre[0] for w in wheels]
+    ys = [w.centre[1] for w in wheels]
+    middle = sum(xs, Fraction(0)) / len(wheels), sum(ys, Fraction(0)) / len(wheels)
     for wheel in wheels:
         mesh = next((s for s in robot.description.shapes.get(wheel.joint.child, ()) if s.uri), None)
         if mesh:
@@ -78,7 +80,16 @@ def _mirrored(robot: Robot, wheels: Sequence[Candidate]) -> str:
 
 
 def gamma_said(robot: Robot, c: Candidate, e: Vector) -> tuple[float | None, str]:
-    """The direction of the roller at the ground from the heading, modulo pi in (-pi/2, pi/2], and its source."""
+    """Return the direction of the roller at the ground.
+
+    Args:
+        robot: The description.
+        c: The joint of the wheel.
+        e: The rolling direction.
+
+    Returns:
+        The angle from the rolling direction in (-pi/2, pi/2] [rad], or None; and its source.
+    """
     if c.rollers:
         lowest = min(c.rollers, key=lambda j: robot.origin(j)[2])
         return _gamma_of(robot, lowest, c), f"axis of the lowest roller {quoted(lowest.name)}"

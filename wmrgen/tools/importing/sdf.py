@@ -5,7 +5,6 @@ Every pose is followed to the model's frame; joints then carry links as those of
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable
 from dataclasses import replace
 from xml.etree.ElementTree import Element
@@ -27,21 +26,35 @@ from wmrgen.tools.importing.read import (
     text_in,
     vector,
 )
-from wmrgen.tools.importing.records import MODEL, RIGID, Description, Frame, Friction, Joint, Shape, Vector
+from wmrgen.tools.importing.records import MODEL, RIGID, Description, Frame, Friction, Joint, Shape
 from wmrgen.tools.importing.sdf_joints import joints_of, passed_over
 
 Include = Callable[[str], Element | None]  # the root of the file that a URI names; None where nobody gave it
 _MOST_MODELS = 64
 
 
+def _has(model: Element, tag: str) -> bool:
+    return next(below(model, tag), None) is not None
+
+
 def describe(root: Element, file: str, include: Include) -> Description:
-    """What the first model says in which a joint turns without end, else the first that has joints, itself or included.
-    RobotFileError where none has."""
+    """Return what the first model with a joint that turns without end says, else the first that has joints.
+
+    Args:
+        root: The root of the file.
+        file: The name of the file.
+        include: Returns the root of the file that a URI names.
+
+    Returns:
+        The description.
+
+    Raises:
+        RobotFileError: No model has joints.
+    """
     version, lost = root.get("version", ""), list[str]()
     worlds = children(root, "world")
-    models = [
-        (m, version) for m in (*children(root, "model"), *(m for w in worlds for m in children(w, "model")))
-    ]
+    inside = [model for world in worlds for model in children(world, "model")]
+    models = [(model, version) for model in (*children(root, "model"), *inside)]
     for each in (included for world in worlds for included in children(world, "include")):
         other = include(text_in(each, "uri"))
         model = None if other is None else child(other, "model")
@@ -49,9 +62,7 @@ def describe(root: Element, file: str, include: Include) -> Description:
             lost.append(unread(text_in(each, "uri")))
         else:
             models.append((model, other.get("version", "")))
-    robots = [
-        m for m in models if any(next(below(m[0], tag), None) is not None for tag in ("joint", "include"))
-    ]
+    robots = [m for m in models if _has(m[0], "joint") or _has(m[0], "include")]
     if not robots:
         why = " ".join(f"Note: {note}." for note in lost[:3])
         hint = "Give the file that describes the robot."
@@ -176,22 +187,12 @@ class _Reader:
             notes=tuple(self.notes),
             closing=closing,
             pushing=pushing(plugin for plugin, _ in self.plugins),
-            masses=self._masses(),
         )
 
     def _held(self, link: str) -> Joint:
         """What holds a link that no joint carries."""
         with at(self.links[link][0]):
             return Joint(link, RIGID, MODEL, link, self.frames.pose(link), None, None, None)
-
-    def _masses(self) -> dict[str, Vector]:
-        """The centres of mass of links, where they can be read."""
-        centres = {}
-        for full, (link, _) in self.links.items():
-            for inertial in (each for each in children(link, "inertial")[:1] if not reference(each)):
-                with contextlib.suppress(RobotFileError):
-                    centres[full] = placement(inertial, "inertial").origin
-        return centres
 
     def _shapes(self, full: str) -> list[Shape]:
         link, scope = self.links[full]

@@ -59,7 +59,16 @@ class Lost(NamedTuple):
 def joints_of(
     elements: Mapping[str, tuple[Element, Scope]], frames: FrameGraph, notes: list[str]
 ) -> tuple[list[Joint], list[Lost]]:
-    """The joints that carry links, by their full names, and those that lack a link; what carries nothing is noted."""
+    """Return the joints that carry links, by their full names, and those that lack a link.
+
+    Args:
+        elements: The elements with the models that contain them.
+        frames: The frames of the model.
+        notes: A list to which a note on each joint that carries nothing is appended.
+
+    Returns:
+        The joints and those without a link.
+    """
     joints, lost = list[Joint](), list[Lost]()
     for full, (element, scope) in elements.items():
         what, kind = f"joint {quoted(full)}", element.get("type", "")

@@ -27,7 +27,20 @@ _OF_XACRO = ("insert_block", "if", "unless")  # what stands in links and joints 
 
 
 def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]) -> Description:
-    """What the file says. RobotFileError for what cannot be read, UsageError for words of a wrong form."""
+    """Return what a file says.
+
+    Args:
+        file: A URDF, xacro or SDF.
+        arguments: Words NAME:=VALUE for xacro.
+        packages: Words NAME=DIR.
+
+    Returns:
+        The description.
+
+    Raises:
+        RobotFileError: The file cannot be read.
+        UsageError: A word has another form.
+    """
     values = pairs(arguments)
     roots = {name: Path(folder) for name, folder in pairs(packages, "=").items()}
     name = printable(file.name)
@@ -73,8 +86,16 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
 
 
 def located(uri: str, file: Path, packages: Mapping[str, Path]) -> Path | None:
-    """The file or folder that a URI of ``file`` names, of the folders given: None for what lies outside of them, or is
-    not there."""
+    """Return the file or folder that a URI names.
+
+    Args:
+        uri: The URI.
+        file: The file that has it.
+        packages: Folders by name.
+
+    Returns:
+        None if the path is outside the folders or does not exist.
+    """
     scheme, separator, rest = uri.strip().rpartition("://")
     package, _, below_it = rest.partition("/")
     if scheme in ("package", "model") or (scheme == "file" and package in packages):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections import Counter
 from xml.etree.ElementTree import Element
@@ -84,7 +83,6 @@ def describe(root: Element, file: str) -> Description:
         transmitted=frozenset(transmitted(root) - transmitted(root, "Position") - driven_by_control(root)),
         commanded=frozenset(transmitted(root, "Velocity")),
         pushing=pushing(below(root, "plugin")),
-        masses=_masses(root),
     )
 
 
@@ -160,18 +158,6 @@ def _shapes(link: Element, notes: list[str]) -> tuple[Shape, ...]:
                 where, uri = _origin(part, what, notes), form.get("filename", "")
                 shapes.append(Shape(local(form), role, where, value, uri, scale))
     return tuple(shapes)
-
-
-def _masses(root: Element) -> dict[str, Vector]:
-    """The centres of mass of links, where they can be read."""
-    centres = {}
-    for link in children(root, "link"):
-        for origin in (
-            o for inertial in children(link, "inertial")[:1] for o in children(inertial, "origin")
-        ):
-            with contextlib.suppress(RobotFileError):
-                centres[name_of(link, "link")] = vector(origin.get("xyz"), "inertial")
-    return centres
 
 
 def _scale(text: str | None, what: str, notes: list[str]) -> Vector:

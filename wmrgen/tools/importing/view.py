@@ -17,6 +17,7 @@ from wmrgen.tools.importing.read import refuse
 from wmrgen.tools.importing.records import MODEL, Description, Frame, Joint, Shape, Vector
 
 UPRIGHT = math.cos(math.radians(15))
+LEVEL = math.sin(math.radians(12))  # how far the axle of a wheel may be inclined
 COAXIAL = 0.99  # cosine
 UNSEEN = Fraction(5, 100)  # [m] the radius of a wheel that is a mesh, where one must be supposed
 EVEN = Fraction(5, 1000)  # [m] by which the ground may be uneven
@@ -28,14 +29,12 @@ X, Z = (Fraction(1), Fraction(0), Fraction(0)), (Fraction(0), Fraction(0), Fract
 
 @dataclass(frozen=True, slots=True)
 class Round:
-    """The largest coaxial cylinder or sphere of a wheel: ``words`` say which, ``sides`` where those as large stand
-    along the axle."""
+    """The largest coaxial cylinder or sphere of a wheel: ``words`` say which."""
 
     radius: Fraction
     centre: Vector
     words: str
     cylinder: bool
-    sides: tuple[Vector, Vector]
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,8 +187,16 @@ class Robot:
                 yield centre, centre[2] - shape.radius
 
     def round_shape(self, link: str, origin: Vector, axis: Vector) -> Round | None:
-        """The largest coaxial cylinder or sphere, of the collision before the visual; of several as large, as the two
-        sides of a wheel are, the middle."""
+        """Return the largest coaxial cylinder or sphere; one that collides before one that is only drawn.
+
+        Args:
+            link: The link with what is fixed to it.
+            origin: A point of the axle [m].
+            axis: The unit vector of the axle.
+
+        Returns:
+            The shape, in the middle of several of one size, as the two sides of a wheel are.
+        """
         shapes: list[tuple[tuple[bool, Fraction], Fraction, str]] = []
         for kind, role, radius, where in self.shapes(link):
             along = turned(where.rotation, Z)
@@ -203,9 +210,8 @@ class Robot:
         (collides, radius), _, kind = largest = max(shapes, key=lambda s: s[0])
         shares = [share for rank, share, _ in shapes if rank == largest[0]]
         words = f"{'collision' if collides else 'visual'} {kind}"
-        first, last = (plus(origin, axis, share) for share in (min(shares), max(shares)))
         middle = plus(origin, axis, (min(shares) + max(shares)) / 2)
-        return Round(radius, middle, words, kind == "cylinder", (first, last))
+        return Round(radius, middle, words, kind == "cylinder")
 
 
 def base_link(description: Description, wanted: str | None) -> str:
@@ -223,13 +229,14 @@ def base_link(description: Description, wanted: str | None) -> str:
         return MODEL
     above = parents(description.joints)
     chains = {link: ancestors(link, above) for link in description.links}
-    carried = Counter(link for own, chain in chains.items() for link in (own, *(j.parent for j in chain)))
+    carried = Counter(chains.keys())
+    for chain in chains.values():
+        carried.update(joint.parent for joint in chain)
     named = [link for link in description.links if link.endswith("base_link") and _stands(link, above)]
-    whole = [
-        link
-        for link in named
-        if 2 * carried[link] >= len(chains) or not any(joint.moves for joint in chains[link])
-    ]
+    whole = []
+    for link in named:
+        if 2 * carried[link] >= len(chains) or not any(joint.moves for joint in chains[link]):
+            whole.append(link)
     if whole:
         return min(whole, key=lambda link: len(chains[link]))
     root = max((link for link, chain in chains.items() if not chain), key=lambda root: carried[root])

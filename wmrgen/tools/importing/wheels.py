@@ -1,163 +1,130 @@
-"""What the wheels are: type, place, heading, radius, trail, rollers, motors, and what must be asked."""
+"""What the wheels are: type, place, heading, radius, trail, rollers and motors, with the questions of all rules."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Collection
+from collections.abc import Sequence
 from fractions import Fraction
+from itertools import chain
 
 from wmrgen.robotfile.text import quoted
 from wmrgen.robotfile.wheel_types.types import CASTOR, FIXED, STEERED, SWEDISH
-from wmrgen.tools.importing.candidates import LEVEL, candidates
+from wmrgen.tools.importing import robot_questions, type_questions, wheel_questions
+from wmrgen.tools.importing.candidates import candidates
 from wmrgen.tools.importing.couplings import couplings
 from wmrgen.tools.importing.frames import ancestors, dot, plus
 from wmrgen.tools.importing.instructions import skid_track
-from wmrgen.tools.importing.kinds import Subject, types_asked
-from wmrgen.tools.importing.passed import with_gears
-from wmrgen.tools.importing.questions import (
-    CONFLICT,
-    TRAIL,
-    axle_asked,
-    ball_asked,
-    doubt,
-    heights_noted,
-    mesh_radius,
-    other_height,
-    planes_asked,
-    radius_doubted,
-    roller_reach,
-    rollers_asked,
-    rollers_doubted,
-    size_asked,
-    swivel_doubts,
-    tilted,
-)
 from wmrgen.tools.importing.read import refuse
 from wmrgen.tools.importing.records import DIGITS, Description, Imported, Joint, Question, Vector, Wheel
+from wmrgen.tools.importing.rejections import with_gears
 from wmrgen.tools.importing.robot_file import near_wheel_names
-from wmrgen.tools.importing.robot_questions import (
-    DIRECTIONS,
-    articulated,
-    corner_asked,
-    front_doubted,
-    motors_unknown,
-    odd_one_asked,
-    steering_missed,
-    support_asked,
-    tool_asked,
-    undrawn_asked,
-)
 from wmrgen.tools.importing.rollers import UNSAID, angle, gamma_said, heading, rollers_said
-from wmrgen.tools.importing.view import Candidate, Robot, X, base_link
+from wmrgen.tools.importing.subject import Subject, asked_once
+from wmrgen.tools.importing.view import LEVEL, Candidate, Robot, X, base_link
 
 _TURN = Fraction(6)  # [rad] a range of steering angles beyond which it is not one
 _BACKWARD = -0.94  # cosine of a heading that is straight back, by and large
 
 
 def import_wheels(description: Description, base: str | None, forward: str | None = None) -> Imported:
-    """The wheels of a description in the frame of its link ``base``, turned so that its direction ``forward`` is x.
+    """Return the wheels of a description in the frame of a link.
 
-    RobotFileError where there is none, or one that nothing drives: it may be anything that turns.
+    Args:
+        description: What the file says.
+        base: The name of the link; None: the link that looks like the robot's.
+        forward: The direction of the link's frame that is x of the robot; None: x, and it may be asked.
+
+    Returns:
+        The wheels with their questions.
+
+    Raises:
+        RobotFileError: There is no wheel, or a single one that nothing drives, which may be anything that turns.
     """
-    robot = Robot(description, base_link(description, base), DIRECTIONS[forward or "x"])
-    wheels, passed = candidates(robot)
-    robot.description = description = with_gears(description, passed)
-    seen = [*(each.note for each in passed), *description.notes]
-    if len(wheels) < 2 and not any(c.shape and not c.doubt and _actuated(robot, c) for c in wheels):
-        raise refuse(
-            f"{quoted(wheels[0].joint.name)} alone is a wheel" if wheels else "0 joints are wheels",
-            " ".join(
-                (
-                    "A wheel's joint turns without end about a level axis and is the lowest of all.",
-                    *(f"Note: {note}." for note in seen[:3]),
-                )
-            ),
-            "Give the link that is the base frame with --base, or write the robot file by hand.",
-        )
-    names = near_wheel_names([c.joint.name for c in wheels])
-    rolling = rollers_said(robot, wheels)
-    powered = {c.steer.name if c.steer else "" for c in wheels if _actuated(robot, c)}
-    read = [_wheel(robot, c, name, rolling, powered) for c, name in zip(wheels, names, strict=True)]
-    result = [wheel for wheel, _ in read]
-    coupled, doubts, notes = couplings(robot, result)
-    questions = [
-        *(question for _, asked in read for question in asked),
-        *planes_asked(robot, result, wheels),
-        *motors_unknown(result),
-        *articulated(robot, result, wheels),
-        *corner_asked(result),
-        *odd_one_asked(result),
-        *undrawn_asked(robot, result, wheels),
-        *tool_asked(robot, result, wheels),
-        *steering_missed(result, wheels),
-        *([] if forward else front_doubted(robot, result, wheels)),
-        *doubts,
-    ]
-    questions += types_asked(Subject(robot, result, wheels), questions)
-    support = support_asked(robot, result, wheels, passed)
-    if questions or any(question.hints for question in support):
-        questions += support
-    notes += [question.text for question in support if question not in questions]
-    notes += heights_noted(robot, wheels, names)
-    above = sorted({j.name for c in wheels for j in c.via})
+    robot = Robot(description, base_link(description, base), robot_questions.DIRECTIONS[forward or "x"])
+    found, seen = candidates(robot)
+    robot.description = description = with_gears(description, seen)
+    notes = [*(each.note for each in seen), *description.notes]
+    _refuse_fewer_than_two(robot, found, notes)
+    names = near_wheel_names([c.joint.name for c in found])
+    rolling = rollers_said(robot, found)
+    wheels = [_wheel(robot, c, name, rolling) for c, name in zip(found, names, strict=True)]
+    coupled, doubts, other_notes = couplings(robot, wheels)
+    subject = Subject(robot, wheels, found, rolling, seen, forward is not None)
+    questions, left = _questions(subject, doubts)
+    notes += [*other_notes, *(question.text for question in left)]
+    notes += wheel_questions.heights_noted(robot, found, names)
+    above = sorted({j.name for c in found for j in c.via})
     notes += [f"joint {quoted(name)} moves above wheels and is taken at zero" for name in above]
     if forward not in (None, "x"):
         notes.append(f"x is the direction {forward} of {quoted(robot.base)}")
-    track = skid_track(result, description.controllers)
+    track = skid_track(wheels, description.controllers)
     return Imported(
-        description.name, robot.base, tuple(result), tuple(questions), coupled, (*seen, *notes), track
+        description.name, robot.base, tuple(wheels), tuple(questions), coupled, tuple(notes), track
     )
 
 
-def _wheel(
-    robot: Robot, c: Candidate, name: str, rolling: str, powered: Collection[str]
-) -> tuple[Wheel, list[Question]]:
-    """A wheel and what is asked of it; ``powered``: steering joints of wheels that have motors, "" of those without."""
+def _refuse_fewer_than_two(robot: Robot, found: Sequence[Candidate], notes: Sequence[str]) -> None:
+    """Raise RobotFileError if there is no wheel, or one alone that nothing drives."""
+    if len(found) > 1 or any(c.shape and not c.doubt and _actuated(robot, c) for c in found):
+        return
+    rule = "A wheel's joint turns without end about a level axis and is the lowest of all."
+    raise refuse(
+        f"{quoted(found[0].joint.name)} alone is a wheel" if found else "0 joints are wheels",
+        " ".join((rule, *(f"Note: {note}." for note in notes[:3]))),
+        "Give the link that is the base frame with --base, or write the robot file by hand.",
+    )
+
+
+def _questions(subject: Subject, doubts: Sequence[Question]) -> tuple[list[Question], list[Question]]:
+    """Return the questions, and those that are only notes because nothing else is asked.
+
+    Args:
+        subject: The robot and its wheels.
+        doubts: The questions about couplings.
+
+    Returns:
+        Questions and notes.
+    """
+    of_wheels = (
+        question
+        for wheel, c in subject.pairs
+        for each in wheel_questions.RULES
+        for question in each.check(subject, wheel, c)
+    )
+    of_robot = (question for each in robot_questions.RULES for question in each.check(subject))
+    of_types = (question for each in type_questions.RULES for question in each.check(subject))
+    questions = asked_once(chain(of_wheels, of_robot, doubts, of_types))
+    last = [question for each in robot_questions.LAST for question in each.check(subject)][:1]
+    if questions or any(question.hints for question in last):
+        return [*questions, *last], []
+    return questions, last
+
+
+def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> Wheel:
+    """Return a wheel; ``rolling`` is what says of all wheels that they have rollers."""
     joint, steer = c.joint, c.steer
     e = X if abs(c.axis[2]) > LEVEL else heading(c.axis)
-    questions: list[Question] = []
-    x, y, _ = c.centre
-    d = offset = None
     where = f"joint {quoted(joint.name)}" if joint.moves else f"link {quoted(joint.child)}"
     place = f"centre of the {c.shape.words} of {where}" if c.shape else where
     remarks = {"x": place, "heading": f"axis of {where}"}
+    (x, y, _), d, offset = c.centre, None, None
     if steer is not None:
-        foot, tilt = _pivot(robot.origin(steer), robot.axis(steer), c.centre)
+        x, y, _ = foot = _pivot(robot.origin(steer), robot.axis(steer), c.centre)
         lever = plus(c.centre, foot, -1)
         d, offset = (round(dot(lever, along), DIGITS) for along in (e, (-e[1], e[0], Fraction(0))))
-        x, y, _ = foot
         remarks["x"] = f"steering axis of joint {quoted(steer.name)}, wheel: {place}"
         if robot.axis(steer)[2] < 0:
             remarks["joints"] = f"{quoted(steer.name)} points down: its angle is -{name}.steer"
-        if tilt > 1:
-            questions.append(tilted(name, foot, tilt))
-    actuated, stops = _actuated(robot, c), _steer_limits(robot, steer)
+    actuated = _actuated(robot, c)
     gamma, source = gamma_said(robot, c, e)
     kind, why = _type(c, d, actuated, rolling if source == UNSAID and not steer else source)
     if why:
-        remarks["type"] = "; ".join(filter(None, [remarks.get("type", ""), why]))
-    if c.doubt:
-        questions.append(doubt(c, name, angle(e), kind))
+        remarks["type"] = why
     if kind == SWEDISH.name:
         remarks["gamma"] = source
-        if gamma is None:
-            questions.append(rollers_asked(name, why))
-    elif steer:
-        said = robot.description
-        transmitted = steer.name in said.transmitted - (frozenset() if "" in powered else said.commanded)
-        stray = "" in powered and steer.name not in powered and -c.radius < (offset or 0) < c.radius
-        bodiless = steer.spins and steer.name in said.transmitted and not robot.roles(steer.child)
-        questions += swivel_doubts(
-            name, kind, d or Fraction(0), actuated, transmitted, rolling, stray, bodiless, stops
-        )
-    elif powered and actuated == () and c.shape and not c.shape.cylinder:
-        questions.append(ball_asked(name))
-    questions += axle_asked(robot, c, name)
-    radius, doubts = _size(robot, c, name, remarks)
-    questions += doubts
+    radius, remarks["r"] = _radius(robot, c, remarks["heading"].removeprefix("axis of "))
     if e[0] < _BACKWARD and kind != CASTOR.name:
         remarks["heading"] += ", reversed: it rolls backward for a positive rate"
-    wheel = Wheel(
+    return Wheel(
         name,
         joint.name if joint.moves else None,
         steer.name if steer else None,
@@ -170,31 +137,21 @@ def _wheel(
         offset,
         gamma if kind == SWEDISH.name else None,
         actuated,
-        stops,
+        _steer_limits(robot, steer),
         remarks,
         steer is not None and robot.axis(steer)[2] < 0,
     )
-    return wheel, questions
 
 
-def _size(
-    robot: Robot, c: Candidate, name: str, remarks: dict[str, str]
-) -> tuple[Fraction | None, list[Question]]:
-    """The radius, and what is asked of it; what is not is remarked."""
+def _radius(robot: Robot, c: Candidate, body: str) -> tuple[Fraction | None, str]:
+    """Return the radius [m] of a wheel's shape, else of its mesh, and where it is from."""
     if not c.shape:
-        if bound := mesh_radius(robot, c):
-            radius, remarks["r"] = bound
-            return radius, []
-        return None, [size_asked(robot, c, name)]
-    remarks["r"] = f"{c.shape.words} of {remarks['heading'].removeprefix('axis of ')}"
-    reach = roller_reach(robot, c)
-    if reach and abs(reach / c.radius - 1) > CONFLICT:
-        return c.radius, [rollers_doubted(c, name, reach)]
-    height = other_height(robot, c)
-    if not height:
-        return c.radius, []
-    remarks["r"] += f"; the axle is {float(height):.6g} m above what seems the ground"
-    return c.radius, [radius_doubted(robot, c, name, height)] if c.doubt or not c.shape.cylinder else []
+        return wheel_questions.mesh_radius(robot, c) or (None, "")
+    source = f"{c.shape.words} of {body}"
+    height = wheel_questions.other_height(robot, c)
+    if height:
+        source += f"; the axle is {float(height):.6g} m above what seems the ground"
+    return c.radius, source
 
 
 def _steer_limits(robot: Robot, steer: Joint | None) -> tuple[Fraction, Fraction] | None:
@@ -207,10 +164,9 @@ def _steer_limits(robot: Robot, steer: Joint | None) -> tuple[Fraction, Fraction
     return (low, high) if robot.axis(steer)[2] > 0 else (-high, -low)
 
 
-def _pivot(point: Vector, axis: Vector, centre: Vector) -> tuple[Vector, float]:
-    """Where a steering axis passes the height of the wheel's centre, and its inclination [deg]."""
-    foot = plus(point, axis, (centre[2] - point[2]) / axis[2])
-    return foot, math.degrees(math.acos(min(1.0, abs(float(axis[2])))))
+def _pivot(point: Vector, axis: Vector, centre: Vector) -> Vector:
+    """Return where a steering axis passes the height of the wheel's centre."""
+    return plus(point, axis, (centre[2] - point[2]) / axis[2])
 
 
 def _actuated(robot: Robot, c: Candidate) -> tuple[str, ...] | None:
@@ -237,7 +193,9 @@ def _type(
     if c.rollers:
         return SWEDISH.name, f"{len(c.rollers)} rollers turn on it"
     if d is not None:
-        least = c.radius / 10 + Fraction(3, 2000) if actuated and "steer" in actuated else TRAIL
+        least = (
+            c.radius / 10 + Fraction(3, 2000) if actuated and "steer" in actuated else wheel_questions.TRAIL
+        )
         if abs(d) > least:
             return CASTOR.name, ""
         return (

@@ -25,7 +25,7 @@ from wmrgen.tools.importing.expressions import checked, counted, offered, weighe
 from wmrgen.tools.importing.read import MAX_BYTES, Place, parse, parse_file, placed, refuse
 
 _UNPREFIXED = ("property", "macro", "include", "arg")
-_MOST_MISSING, _YAML_BYTES = 20, 1 << 16
+_MOST_MISSING, _YAML_BYTES = 20, 1 << 16  # packages in a message; size of a file of load_yaml
 _UNKNOWN = "/package that is not known"  # the folder of those; what is only named need not be there
 PLACE = "wmrgen.place"  # an attribute: by which its place is remembered
 

@@ -12,7 +12,7 @@ import numpy as np
 
 import wmrgen
 from tests.tools.calibrating.simulated import LAYOUTS, Encoders, Layout, Reals, Tracker, Twist, csv, drive
-from wmrgen.tools.calibrating.calibrate import calibrate
+from wmrgen.tools.calibration.calibrate import calibrate
 
 DRIVES = 3  # of each run
 SEED = 20

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from wmrgen.errors import UsageError
-from wmrgen.tools.calibrating.path import Reals
+from wmrgen.tools.calibration.path import Reals
 
 _COMMAS = ": write commas between columns, and points in numbers"
 _HEADING = re.compile(r"(?i).*(yaw|heading|theta|bearing|azimuth|orientation|quat).*|psi|(.*[._])?q?w")

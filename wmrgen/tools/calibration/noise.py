@@ -1,0 +1,193 @@
+"""Noise levels, and the covariance of the estimate that follows from them.
+
+Odometry errs by a random walk: between two reference poses, place and heading get independent errors with variances
+proportional to the distance travelled. Reference poses have white noise. All four variances enter linearly into the
+mean square of what odometry and reference differ by between two poses. So they are found by non-negative least squares
+over differences at lags from one pose to the whole log.
+
+The estimator takes residuals for independent, and they are not: an error of a walk stays in all later poses. So the
+covariance is the sandwich of both, B^-1 M B^-1, with the matrix B of the normal equations and the covariance M of their
+gradient under this noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+
+from wmrgen.tools.calibration.estimator import PRIOR, Fit, reduced
+from wmrgen.tools.calibration.logs import steps_at
+from wmrgen.tools.calibration.model import LEVER, Rows
+from wmrgen.tools.calibration.path import Complexes, Path, Reals
+
+_ROUNDS = 5  # of weights by expected squares, which follow from the result: it changes by less than 1 % then
+_ERRORS = 0.5  # standard errors of a level: then 97 to 99.9 % of simulated robots are within three deviations
+_ROBUST = 25.0  # times the median of squares: larger ones are slips or outliers, and count as this
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """Variances."""
+
+    position_walk: float  # [m^2/m] of x and of y, for each metre travelled
+    heading_walk: float  # [rad^2/m]
+    position: float  # [m^2] of x and of y of a reference pose
+    heading: float  # [rad^2] of a reference pose
+    # The same plus their standard errors: few and short logs say little of a walk, and deviations must not hide that.
+    most_position_walk: float
+    most_heading_walk: float
+    most_position: float
+    most_heading: float
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """One leg at its n complete reference poses: odometry beside the reference."""
+
+    place: Complexes  # (n,) [m] the tracked point by odometry
+    heading: Reals  # (n,) [rad]
+    seen: Complexes  # (n,) [m] by the reference
+    theta: Reals  # (n,) [rad]
+    travelled: Reals  # (n,) [m] distance, and rotation as an arc at the lever
+
+
+@dataclass(frozen=True, slots=True)
+class Covariance:
+    """What the estimate is uncertain by, under the noise."""
+
+    shared: Reals  # (S, S) in units
+    clocks: Reals  # (logs,) [s] standard deviation of each clock offset, the others estimated too
+
+
+def distance(path: Path) -> Reals:
+    """Return the distance travelled at each pose of a path [m], with rotation as an arc at the lever."""
+    steps = np.abs(np.diff(path.position)) + LEVER * np.abs(np.diff(path.heading))
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def tracks(fit: Fit) -> list[Track]:
+    """Return the legs of all logs, with odometry by the fitted parameters."""
+    result, problem, count = [], fit.problem, len(fit.problem.nominal)
+    mount = complex(fit.state.shared[count], fit.state.shared[count + 1])
+    for log, legs, own in zip(problem.logs, problem.legs, fit.state.own, strict=True):
+        path = problem.increments.alone.path(log.columns, fit.state.shared[:count])
+        total = distance(path)
+        for first, last in legs:
+            poses = log.poses.rows(log.poses.complete & (log.poses.t >= first) & (log.poses.t <= last))
+            if len(poses.t) < 2:
+                continue
+            here = path.between(*steps_at(log.t, poses.t + own[0]))
+            place = here.position + np.exp(1j * here.heading) * mount
+            travelled = np.interp(poses.t + own[0], log.t, total)
+            theta = poses.theta - fit.state.shared[count + 2]
+            result.append(Track(place, here.heading, poses.x + 1j * poses.y, theta, travelled))
+    return result
+
+
+def differences(track: Track, lag: int) -> tuple[Complexes, Reals]:
+    """Return by how much odometry and reference differ between poses ``lag`` rows apart, place [m] and heading [rad],
+    as seen from the first of the two."""
+    own = (track.place[lag:] - track.place[:-lag]) * np.exp(-1j * track.heading[:-lag])
+    seen = (track.seen[lag:] - track.seen[:-lag]) * np.exp(-1j * track.theta[:-lag])
+    return own - seen, (track.heading - track.theta)[lag:] - (track.heading - track.theta)[:-lag]
+
+
+def noise(every: list[Track]) -> Noise:
+    """Estimate the four variances from the legs of all logs."""
+    matrix, values, counts = [], [], []
+    longest = max((len(track.place) for track in every), default=0)
+    for lag in [2**k for k in range(int(np.log2(max(longest - 1, 1))) + 1)]:
+        some = [track for track in every if len(track.place) > lag]
+        if not some:
+            continue
+        both = [differences(track, lag) for track in some]
+        place = np.abs(np.concatenate([d[0] for d in both])) ** 2
+        turn = np.concatenate([d[1] for d in both]) ** 2
+        travel = np.concatenate([track.travelled[lag:] - track.travelled[:-lag] for track in some])
+        chord = np.abs(np.concatenate([track.seen[lag:] - track.seen[:-lag] for track in some])) ** 2
+        # By position walk, heading walk, position and heading noise. A heading error swings the rest of the way.
+        by_place = [2 * travel.mean(), (chord * travel).mean() / 3, 4.0, chord.mean()]
+        for squares, by in ((place, by_place), (turn, [0.0, travel.mean(), 0.0, 2.0])):
+            matrix.append(by)
+            values.append(float(np.minimum(squares, _ROBUST * np.median(squares)).mean()))
+            counts.append(len(squares) / lag)  # independent differences
+    if not matrix:
+        return Noise(*[0.0] * 8)
+    rows, means, expected = np.array(matrix), np.array(values), np.array(values)
+    found = np.zeros(4)
+    for _ in range(_ROUNDS):
+        weights = np.sqrt(counts) / np.maximum(expected, 1e-12)  # errors of mean squares are relative
+        sizes = np.maximum(np.linalg.norm(weights[:, None] * rows, axis=0), 1e-300)
+        found = nnls(weights[:, None] * rows / sizes, weights * means)[0] / sizes
+        expected = rows @ found
+    weighted = rows * (np.sqrt(counts) / np.maximum(expected, 1e-12))[:, None] / sizes
+    errors = np.sqrt(2 * np.diag(np.linalg.pinv(weighted.T @ weighted))) / sizes  # a mean of n squares: 2 / n
+    return Noise(*map(float, found), *map(float, found + _ERRORS * errors))
+
+
+def covariance(fit: Fit, level: Noise) -> Covariance:
+    """Return the covariance of shared unknowns and clocks.
+
+    Args:
+        fit: The estimate.
+        level: Variances of odometry and reference.
+    """
+    problem, width = fit.problem, len(fit.problem.origin)
+    matrix, _ = reduced(problem, fit.normals)
+    bread = np.linalg.inv(problem.free.T @ (matrix + PRIOR**2 * np.eye(width)) @ problem.free)
+    meat = PRIOR**4 * np.eye(width)
+    squares = [float(one.joints @ one.joints) for one in fit.rows]
+    joints = sum(squares) / max(1, sum(len(one.joints) for one in fit.rows))
+    parts = []
+    for index, (one, normal) in enumerate(zip(fit.rows, fit.normals, strict=True)):
+        gradient = _gradient_covariance(fit, index, one, level, joints)
+        project = np.linalg.solve(normal.matrix[width:, width:], normal.matrix[width:, :width])  # (own, S)
+        eliminate = np.hstack([np.eye(width), -project.T])
+        meat += eliminate @ gradient @ eliminate.T
+        parts.append((project, np.linalg.inv(normal.matrix[width:, width:]), gradient[width:, width:]))
+    shared = problem.free @ bread @ problem.free.T @ meat @ problem.free @ bread @ problem.free.T
+    clocks = [
+        float((inverse @ inside @ inverse)[0, 0] + project[0] @ shared @ project[0])
+        for project, inverse, inside in parts
+    ]
+    return Covariance(shared, np.sqrt(np.maximum(clocks, 0.0)))
+
+
+def _gradient_covariance(fit: Fit, index: int, one: Rows, level: Noise, joints: float) -> Reals:
+    """Return the covariance of a log's gradient, over shared and own unknowns.
+
+    Args:
+        fit: The estimate.
+        index: The log's number.
+        one: Its residuals.
+        level: Variances of odometry and reference.
+        joints: Mean square of what redundant joints are off by [m^2].
+    """
+    scale = fit.problem.scale
+    effective = one.weights / np.sqrt(1 + (one.values / scale) ** 2) / scale**2
+    x, y, theta = effective[..., None] * one.by  # (n, k) each: the gradient by an error of one residual
+    theta = LEVER * theta
+    result = level.most_position * (x.T @ x + y.T @ y) + level.most_heading * (theta.T @ theta)
+    problem, count = fit.problem, len(fit.problem.nominal)
+    log = problem.logs[index]
+    total = distance(problem.increments.alone.path(log.columns, fit.state.shared[:count]))
+    travelled = np.interp(one.at, log.t, total)
+    for leg in np.unique(one.leg):
+        rows = np.flatnonzero(one.leg == leg)
+        begin = np.interp(problem.legs[index][leg, 0], log.t, total)
+        travel = np.maximum(np.diff(travelled[rows], prepend=begin), 0.0)[:, None]
+        place = one.place[rows]
+        after = [np.cumsum(part[::-1], axis=0)[::-1] for part in (x[rows], y[rows], theta[rows])]
+        swing = y[rows] * place.real[:, None] - x[rows] * place.imag[:, None]
+        turned = (
+            after[2] + np.cumsum(swing[::-1], axis=0)[::-1]
+            - after[1] * place.real[:, None] + after[0] * place.imag[:, None]
+        )  # fmt: skip
+        result += level.most_position_walk * (after[0].T @ (travel * after[0]) + after[1].T @ (travel * after[1]))
+        result += level.most_heading_walk * (turned.T @ (travel * turned))
+    if len(one.joints):
+        weighted = one.joints_by / np.sqrt(1 + (one.joints / scale) ** 2)[:, None] / scale**2
+        result[:count, :count] += joints * (weighted.T @ weighted)
+    return np.asarray(result)

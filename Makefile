@@ -22,8 +22,9 @@ $(STAMP): pyproject.toml constraints.txt
 	@touch $@
 
 demo: setup
-	$(BIN)/wmrgen derive robots/pioneer3dx.yaml -o build/demo
+	$(BIN)/wmrgen derive robots/pioneer3dx.yaml -o build/demo --html
 	@ls build/demo/*
+	@echo "Open build/demo/pioneer3dx/report.html in a browser: the derivation, and the robot to drive."
 
 test: setup
 	$(PYTEST)

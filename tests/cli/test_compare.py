@@ -233,8 +233,9 @@ def test_findings_in_xml_have_their_place_and_can_be_kept(wmrgen_cli: Cli, tmp_p
         line, column = text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
         assert f"--> {path}:{line}:{column}\n" in done.out and f"warning[{code}]" in done.out
     beside = "<!-- # wmrgen: ignore WMR011 WMR040 -->\n"
-    path.write_text(text.replace(value, value + beside).replace("<link", f"{beside}<link"))
-    path.write_text(path.read_text().replace("</joint>", f"</joint> {beside}"))
+    comment, end, rest = text.partition("-->")
+    rest = rest.replace(value, value + beside).replace("<link", f"{beside}<link")
+    path.write_text(comment + end + rest.replace("</joint>", f"</joint> {beside}"))
     assert wmrgen_cli("lint", path).code == 0
 
 

@@ -60,5 +60,5 @@ def test_gains_in_words(wmrgen_cli: Cli) -> None:
     done = wmrgen_cli("gains", "k_rho=0.5", "k_alpha=10.5", "k_beta=-6")
     assert "stable          = yes\n" in done.out and "violated        = nothing\n" in done.out
     assert "polynomial      = +1 s^3 +10.5 s^2 +8 s +1.5\n" in done.out
-    assert "eigenvalues     = -0.5, -0.309584, -9.69042\n" in done.out
+    assert "eigenvalues     = -0.5, -0.309584, -9.69042 1/s\n" in done.out
     assert done.err == "not from every pose: k_alpha + 2 k_beta - 2/pi k_rho > 0 fails\n"

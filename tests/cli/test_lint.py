@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -120,3 +121,47 @@ def test_what_is_not_compared_is_told(wmrgen_cli: Cli, robot_file: Path, tmp_pat
     done = wmrgen_cli("lint", description)
     assert (done.code, done.out) == (0, "1 file: no findings in what was compared\n")
     assert str(description) in done.err and "`wmrgen import`" in done.err
+
+
+@pytest.mark.parametrize(
+    ("word", "near"), [("WMR999", ""), ("12", "WMR012"), ("wmr34", "WMR034"), ("castor", "")]
+)
+def test_only_the_code_with_the_same_number_is_suggested(wmrgen_cli: Cli, word: str, near: str) -> None:
+    done = wmrgen_cli("explain", word)
+    assert (done.code, done.out) == (2, "") and word in done.err
+    assert re.findall(r"WMR\d{3}\?", done.err) == ([f"{near}?"] if near else [])
+
+
+@pytest.mark.parametrize("first", [False, True])
+def test_a_robot_file_without_its_version_is_no_controller(
+    wmrgen_cli: Cli, robot_file: Path, tmp_path: Path, first: bool
+) -> None:
+    """Its types of wheels are words that types of controllers have too."""
+    file = tmp_path / "omni.yaml"
+    file.write_text("name: x\nwheels:\n  - {name: a, type: omni, x: 0.2, y: 0, r: 0.05}\n")
+    done = wmrgen_cli("lint", *([] if first else [robot_file]), file)
+    assert done.code == 2
+    places = re.findall(r"error\[(WMR\d+)\].*\n --> .*omni.yaml:(\d+):", done.err)
+    assert places == [("WMR103", "1"), ("WMR104", "3")]
+
+
+@pytest.mark.parametrize("verb", ["lint", "derive"])
+def test_wheels_are_checked_even_if_the_robot_cannot_have_its_virtual_wheels(
+    wmrgen_cli: Cli, tmp_path: Path, verb: str
+) -> None:
+    """The rear wheels are 10 mm off one axle, so that no wheel can steer."""
+    file = tmp_path / "car.yaml"
+    file.write_text(
+        "wmrgen: 1\nname: car\nwheels:\n"
+        "  - {name: rl, type: fixed, x: 0, y: 0.4, heading: 0, r: 0.1}\n"
+        "  - {name: rr, type: fixed, x: 0.01, y: -0.4, heading: 0, r: 0.1}\n"
+        "  - {name: fl, type: steered, x: 1.4, y: 0.4, heading: 0, r: 0.1}\n"
+        "  - {name: fr, type: steered, x: 1.4, y: -0.4, heading: 0, r: 0.1}\n"
+        "virtual:\n  - {name: psi, steers: [fl, fr]}\n"
+    )
+    done = wmrgen_cli(verb, file)
+    assert done.code == 3
+    text = done.out + done.err
+    assert "warning[WMR034]" in text and f"{file}:5:5" in text
+    error = done.err[done.err.index("error[WMR113]") :]
+    assert f"{file}:9:5" in error and "10 mm" in error and "tolerance: 10 mm" in error

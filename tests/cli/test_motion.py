@@ -76,7 +76,7 @@ def test_a_centre_at_infinity_lies_to_the_left_of_travel(wmrgen_cli: Cli) -> Non
     [
         (["vx=0"], "icr = none: standstill\n"),
         (["vy=1"], f"slip = {math.sqrt(2):.6g} m/s\n"),
-        (["vx=1", "omega=1", "point.x=1"], "point_velocity = (1.0, 1.0)\npoint_radius   = 1.4142135623730951\n"),
+        (["vx=1", "omega=1", "point.x=1"], "point_velocity = (1.0, 1.0) m/s\npoint_radius   = 1.4142135623730951 m\n"),
     ],
 )  # fmt: skip
 def test_a_centre_of_a_twist_in_words(car: Path, wmrgen_cli: Cli, words: list[str], told: str) -> None:

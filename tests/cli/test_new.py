@@ -17,6 +17,7 @@ import yaml
 import wmrgen
 from tests.conftest import ROOT, Outcome
 from wmrgen.cli.commands import app
+from wmrgen.cli.drives import DRIVES
 from wmrgen.functions.registry import names
 from wmrgen.robotfile.keys import ROBOT
 from wmrgen.robotfile.schema import MODELINE
@@ -87,7 +88,7 @@ def test_values_and_a_description_of_one_s_own(wmrgen_cli: Cli, here: Path) -> N
 @pytest.mark.parametrize(
     ("words", "code", "names"),
     [
-        ("", "WMR112", "--from"),
+        ("", "WMR112", "--drive"),
         ("mine", "WMR112", "--from"),
         ("mine --from pionier3dx", "WMR112", "pioneer3dx?"),
         ("mine --from pioneer3dx radios=1", "WMR112", "radius?"),
@@ -96,6 +97,10 @@ def test_values_and_a_description_of_one_s_own(wmrgen_cli: Cli, here: Path) -> N
         ("mine --from pioneer3dx radius=", "WMR104", "radius"),
         ("mine --from pioneer3dx radius=-1", "WMR109", "-1"),
         ("mine --from unicycle radius=1", "WMR112", "'radius'"),
+        ("mine --drive tracks", "WMR112", "'tracks'"),
+        ("mine --drive omni --from lekiwi", "WMR112", "--from"),
+        ("mine --drive omni track=1", "WMR112", "'track'"),
+        ("mine --drive omni radius=-1", "WMR109", "-1"),
         ("int --from pioneer3dx", "WMR105", "'int'"),
         ("../x --from pioneer3dx", "WMR105", "'../x'"),
     ],
@@ -156,7 +161,7 @@ def test_new_asks_on_a_terminal(here: Path) -> None:
     running = subprocess.Popen([sys.executable, "-m", "wmrgen", "new"], stdin=child, stdout=child, stderr=child,
                                env=environment)  # fmt: skip
     os.close(child)
-    os.write(parent, b"tricycle\nbicycle\n\n1.25\n\n\x04")
+    os.write(parent, b"tricycle\nsteered\n\n1.25\n\n0.1\n\x04")
     shown = b""
     while True:
         try:
@@ -169,10 +174,49 @@ def test_new_asks_on_a_terminal(here: Path) -> None:
     os.close(parent)
     assert running.wait() == 0, shown
     text = shown.decode()
-    assert "kuka_youbot" in text and "error[WMR112]" in text and "'tricycle'" in text
-    assert "[my_bicycle]" in text and "wheelbase? [1.1]" in text
-    robot = wmrgen.load(here / "my_bicycle.yaml")
-    assert [float(p.nominal) for p in robot.parameters] == [1.25, 0.34]
+    assert "mecanum" in text and "error[WMR112]" in text and "'tricycle'" in text
+    assert "[my_steered]" in text and "wheelbase? [TODO]" in text
+    written = (here / "my_steered.yaml").read_text(encoding="utf-8")
+    assert re.findall(r"^  (\w+): (.*)$", written, re.MULTILINE) == [
+        ("wheelbase", "1.25"),
+        ("track", "TODO"),
+        ("radius", "0.1"),
+    ]
+
+
+@pytest.mark.parametrize("kind", DRIVES)
+def test_a_drive_has_nothing_but_its_wheels(wmrgen_cli: Cli, here: Path, kind: str) -> None:
+    """No castor, limits, encoders or noise. With its numbers it is derived without findings."""
+    words = [f"{number.name}={number.example}" for number in DRIVES[kind].numbers]
+    done = wmrgen_cli("new", "mine", *words, "--drive", kind)
+    assert done.code == 0, done.err
+    text = (here / "mine.yaml").read_text(encoding="utf-8")
+    written = yaml.load(text, yaml.BaseLoader)
+    assert set(written) == {"wmrgen", "name", "description", "parameters", "wheels"} and "TODO" not in text
+    assert {wheel["type"] for wheel in written["wheels"]} <= {"fixed", "steered", "swedish"}
+    linted = wmrgen_cli("lint", "mine.yaml")
+    assert (linted.code, linted.out) == (0, "1 robot: no findings\n")
+    freedom = {"differential": (2, 0), "steered": (1, 1), "swerve": (1, 2), "omni": (3, 0), "mecanum": (3, 0)}
+    mobility = wmrgen.derive(wmrgen.load(here / "mine.yaml")).mobility
+    assert (mobility.degree_of_mobility, mobility.degree_of_steerability) == freedom[kind]
+
+
+@pytest.mark.parametrize("kind", DRIVES)
+def test_a_number_that_is_not_given_is_open(wmrgen_cli: Cli, here: Path, kind: str) -> None:
+    first, *rest = DRIVES[kind].numbers
+    words = [f"{number.name}={number.example}" for number in rest]
+    done = wmrgen_cli("new", "mine", *words, "--drive", kind)
+    assert done.code == 0 and first.name in done.out
+    lines = (here / "mine.yaml").read_text(encoding="utf-8").splitlines()
+    row = lines.index(f"  {first.name}: TODO")
+    assert lines[row - 1] == f"  # {first.meaning}"
+    refused = wmrgen_cli("derive", "mine.yaml")
+    assert refused.code == 2 and "error[WMR108]" in refused.err and f"mine.yaml:{row + 1}:" in refused.err
+
+
+def test_what_a_copy_takes_over_is_listed(wmrgen_cli: Cli, here: Path) -> None:
+    done = wmrgen_cli("new", "mine", "--from", "pioneer3dx")
+    assert all(word in done.err.split("Copied")[1] for word in ("tail", "limits", "encoder", "noise"))
 
 
 def test_functions_are_those_that_can_be_derived(wmrgen_cli: Cli) -> None:

@@ -55,3 +55,11 @@ def test_numbers_that_another_program_prints_are_taken_as_far_as_floats_go() -> 
     with pytest.raises(UsageError) as caught:
         read("2e308", "s")
     assert "'2e308'" in caught.value.what
+
+
+@pytest.mark.parametrize("unit", ["m/s", "s", "rad"])
+def test_a_word_is_no_number_and_cannot_be_declared(unit: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        read("fast", unit)
+    assert "'fast'" in caught.value.what and f"q='0.5 {unit}'" in caught.value.what
+    assert "parameters:" not in caught.value.what

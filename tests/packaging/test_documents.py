@@ -101,7 +101,8 @@ def test_every_verb_is_on_the_page_of_commands(wmrgen_cli: Callable[..., Outcome
 
 
 def test_the_robot_file_is_the_gallery_s() -> None:
-    (shown,) = (b.text for b in blocks(ROOT / "README.md") if b.language == "yaml")
+    first, shown = (b.text for b in blocks(ROOT / "README.md") if b.language == "yaml")
+    assert len(first.splitlines()) == 5
     kept = (ROOT / "robots" / "pioneer3dx.yaml").read_text(encoding="utf-8").partition("wmrgen: 1\n")[2]
     said = [line for line in kept.splitlines() if not line.startswith(("description:", "source:"))]
     assert shown.splitlines() == ["wmrgen: 1", *said] and len(said) < 10

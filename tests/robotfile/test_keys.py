@@ -24,7 +24,7 @@ from wmrgen.functions.control.gains import TEXTBOOK
 from wmrgen.functions.registry import check, optional_names
 from wmrgen.geometry.layout import build
 from wmrgen.robotfile.fields import Amount, Field
-from wmrgen.robotfile.keys import GAINS, ROBOT, SECTIONS, VIRTUAL, WHEEL
+from wmrgen.robotfile.keys import GAINS, JOINTS, ROBOT, SECTIONS, VIRTUAL, WHEEL
 from wmrgen.robotfile.numbers import Kind, spellings_of
 from wmrgen.robotfile.quantities import parse_value
 from wmrgen.robotfile.reference import example, mistake, reference
@@ -276,6 +276,8 @@ def written(title: str, field: Field, text: str) -> str:
     ]
     if section is WHEEL:
         wheels.append(f"{{{', '.join([text, *_beside_in_a_wheel(field.key)])}}}")
+    if section is JOINTS:
+        wheels.append(f"{{name: w, type: steered, x: 0, y: 0, heading: 0, r: 0.1, joints: {{{text}}}}}")
     beside = [example(f) for f in section.fields if f.required and f is not field]
     if section is VIRTUAL:
         beside += ["steers: [a, b]"] * (field.key not in ("steers", "drives"))
@@ -283,7 +285,7 @@ def written(title: str, field: Field, text: str) -> str:
     lines = {"wmrgen": "wmrgen: 1", "name": "name: bot", "wheels": f"wheels: [{', '.join(wheels)}]"}
     if section is ROBOT:
         lines |= {field.key: text}
-    elif section is not WHEEL:
+    elif section not in (WHEEL, JOINTS):
         lines |= {title: WHERE[title].format(", ".join([text, *beside]))}
     return "\n".join(lines.values()) + "\n"
 

@@ -8,6 +8,7 @@ import pytest
 
 from tests.robotfile.files import one_wheel, places, read, refused, robot, show, wheel
 from wmrgen.errors import Code, RobotFileError
+from wmrgen.robotfile.load import read_text
 from wmrgen.robotfile.records import Num
 
 TOP = "parameters: {half: 0.2, other_one: half/2, turn: 30 deg, bare: 30}\n"
@@ -219,3 +220,13 @@ class TestParameters:
     def test_doubling_chains_are_stopped_early(self, step: str) -> None:
         chain = ", ".join(f"p{i + 1}: {step.format(i)}" for i in range(60))
         assert refused(robot(top=f"parameters: {{p0: 0.37, {chain}}}\n")).code == Code.FORM
+
+
+@pytest.mark.parametrize("word", ["forward", "Left", "backwards"])
+def test_a_direction_is_an_angle_and_no_parameter(word: str) -> None:
+    text = f"wmrgen: 1\nname: x\nwheels:\n  - {{name: a, type: fixed, x: 0, y: 0, heading: {word}, r: 1}}\n"
+    with pytest.raises(RobotFileError) as caught:
+        read_text(text, "x.yaml")
+    (error,) = caught.value.parts
+    assert error.code is Code.UNDECLARED and error.mark and error.mark.line == 4
+    assert "left 90 deg" in error.instead and "parameters:" not in error.instead

@@ -9,7 +9,7 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[2] / "wmrgen"
 # These folders are about to be rewritten.
-LATER = ("tools/calibrating", "tools/importing", "tools/comparing", "tools/exporting")
+LATER = ("tools/calibrating", "tools/importing")
 SOURCES = {
     name: path
     for path in sorted(PACKAGE.rglob("*.py"))

@@ -37,3 +37,33 @@ def test_a_message_says_what_is_wrong_and_then_what_to_do(
     message = re.fullmatch(r"error\[WMR112\]: ([a-z-].*?)\. ([A-Z`].*)\.?\n", done.err)
     assert message, done.err
     assert [name for name in names.split() if name not in done.err] == []
+
+
+@pytest.mark.parametrize("heading", ["0", "pi"])
+@pytest.mark.parametrize(("x", "side"), [("0.05", "in front of"), ("-0.05", "behind")])
+def test_the_side_of_an_axle_is_that_of_the_robot(
+    wmrgen_cli: Cli, tmp_path: Path, heading: str, x: str, side: str
+) -> None:
+    path = tmp_path / "a.yaml"
+    lines = [
+        f"  - {{name: {n}, type: fixed, x: {x}, y: {y}, heading: {heading}, r: 0.1}}\n"
+        for n, y in (("left", 0.2), ("right", -0.2))
+    ]
+    path.write_text("wmrgen: 1\nname: a\nwheels:\n" + "".join(lines))
+    assert f"0.05 m {side} the origin P" in wmrgen_cli("lint", path).out
+
+
+@pytest.mark.parametrize(
+    ("words", "start"),
+    [
+        ("gains", "Stable"),
+        ("gains k_rho=-3", "Unstable"),
+        ("gains k_alpha=4", "Stable near the goal"),
+        ("icr PAIR vx=1 omega=1", "The robot turns"),
+        ("icr PAIR vx=1", "The robot does not turn"),
+        ("icr PAIR vx=0", "The robot stands still"),
+    ],
+)
+def test_a_result_starts_with_a_sentence(wmrgen_cli: Cli, robot_file: Path, words: str, start: str) -> None:
+    first = wmrgen_cli(*words.replace("PAIR", str(robot_file)).split()).out.splitlines()[0]
+    assert first.startswith(start) and first.endswith(".") and "=" not in first.partition("because")[0]

@@ -29,7 +29,7 @@ class Verb(NamedTuple):
 GROUPS: dict[str, tuple[Verb, ...]] = {
     "Robot files": (
         Verb("list", "gallery", "List the robots that come with wmrgen."),
-        Verb("new", "new", "Start a robot file from a robot of the gallery."),
+        Verb("new", "new", "Start a robot file for a kind of drive."),
         Verb("import", "importing", "Make a robot file from a URDF, xacro or SDF."),
         Verb("fmt", "fmt", "Format robot files."),
         Verb("schema", "schema", "Print the JSON Schema of robot files."),

@@ -7,9 +7,9 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any
 
 from wmrgen.cli import console
-from wmrgen.cli.declare import Base, Json, Package, argument, verb
+from wmrgen.cli.declare import Base, Distro, Json, Package, argument, verb
 from wmrgen.cli.loading import paths_and_arguments
-from wmrgen.errors import StaleError, UsageError
+from wmrgen.errors import NotDerivableError, StaleError, UsageError
 
 if TYPE_CHECKING:
     from wmrgen.tools.comparing.record import Comparison
@@ -26,19 +26,21 @@ def compare(
     ],
     base: Base = None,
     package: Package = None,
+    distro: Distro = None,
     as_json: Json = False,
 ) -> int:
     """Example:  wmrgen compare my_robot.urdf controllers.yaml
 
-    Compare each file with the first one that has wheels: track, wheelbase, radius, signs, rollers, order. Print how
-    that robot moves if it is commanded with the numbers of the other file. Lengths within 0.2 % and angles within
-    0.002 rad are equal. Exit code 1 if there are differences.
+    Compare each file with the first one that has wheels: track, wheelbase, radius, signs, rollers, order, limits. For
+    a known controller, hold the command of each joint against the robot's inverse kinematics. Print how that robot
+    moves if it is commanded with the numbers of the other file. Lengths and rates within 0.2 % and angles within
+    0.002 rad are equal. Exit code 1 if there are differences, 3 if the files have nothing in common.
     """
     from wmrgen.tools.comparing.compare import compare as compared
     from wmrgen.tools.comparing.sources import layouts
 
     paths, arguments = paths_and_arguments(files)
-    every = [layout for path in paths for layout in layouts(path, arguments, package or (), base)]
+    every = [layout for path in paths for layout in layouts(path, arguments, package or (), base, distro)]
     if len(every) < 2:
         raise UsageError("there is nothing to compare: give a second file")
     robot = next((layout for layout in every if not layout.controller), every[0])
@@ -48,13 +50,17 @@ def compare(
     else:
         for result in results:
             console.result("\n".join(_lines(result)))
-    return StaleError.exit_code if any(c.differences for c in results) else 0
+    if any(c.differences for c in results):
+        return StaleError.exit_code
+    return 0 if all(c.compared for c in results) else NotDerivableError.exit_code
 
 
 def _lines(c: Comparison) -> Iterator[str]:
     """Yield a comparison as lines to read."""
     verdict = ""
-    if not c.differences:
+    if not c.compared:
+        verdict = "nothing compared: the files have nothing in common"
+    elif not c.differences:
         verdict = "equal in everything that both have" if c.unsaid else "equal"
     yield f"{c.a.source} -> {c.b.source}: {verdict}".rstrip()
     for d in c.differences:
@@ -77,7 +83,8 @@ def _as_data(c: Comparison) -> dict[str, Any]:
     return {
         "file": c.b.file,
         "controller": c.b.title or None,
-        "equal": not differences,
+        "compared": c.compared,
+        "equal": not differences if c.compared else None,
         "differences": differences,
         "motion": {e.motion: {"ratio": e.ratio, "words": e.words} for e in c.effects},
         "not_compared": list(c.unsaid),

@@ -127,6 +127,12 @@ Base = Annotated[str | None, option("The link that is the robot's frame.", "LINK
 Package = Annotated[
     list[str] | None, option("The folder of a package that a description refers to.", "NAME=DIR")
 ]
+Distro = Annotated[
+    Literal["humble", "jazzy", "kilted", "rolling"] | None,
+    option_with_default(
+        "The release of ROS 2 that runs the controllers; without it, names of all releases are read."
+    ),
+]
 Out = Annotated[Path, output("DIR", "The folder that contains the folders of the robots.")]
 Json = Annotated[bool, flag("--json", "Print JSON.")]
 Scalar = Literal["float", "double"]

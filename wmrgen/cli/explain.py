@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated
 
 from wmrgen.cli import console
 from wmrgen.cli.declare import Json, argument, verb
+from wmrgen.errors import UsageError
+from wmrgen.robotfile.text import quoted
 
 if TYPE_CHECKING:
     from wmrgen.robotfile.mistakes import Mistake
@@ -35,10 +38,8 @@ def explain(
 
     Explain a code of `wmrgen lint`, or of an error: what is wrong and why, with a wrong and a right robot file.
     """
-    from wmrgen.tools.lint import rule_called
-
     codes = explained()
-    rules = [rule_called(code, codes)] if code else list(codes.values())
+    rules = [_explained_by(code, codes)] if code else list(codes.values())
     if as_json:
         keys = ("code", "title", "text", "wrong", "right")
         data = [{key: getattr(rule, key) for key in keys} for rule in rules]
@@ -49,6 +50,20 @@ def explain(
         for rule in rules:
             console.result(f"{rule.code}  {rule.title}")
     return 0
+
+
+def _explained_by(code: str, codes: Mapping[str, Rule | Mistake]) -> Rule | Mistake:
+    """Return what a code means, in upper or lower case. Raise UsageError if there is no such code.
+
+    Codes are numbers, so a code that is written with other zeros or without letters has one meaning. Codes with nearly
+    the same digits have nothing in common, so none of them is suggested.
+    """
+    if code.upper() in codes:
+        return codes[code.upper()]
+    digits = re.fullmatch(r"\D*0*(\d{1,9})", code)
+    near = f"WMR{int(digits[1]):03d}" if digits else ""
+    hint = f" Did you mean {near}?" if near in codes else ""
+    raise UsageError(f"there is no code {quoted(code)}.{hint} `wmrgen explain` lists all codes.")
 
 
 def _lines(rule: Rule | Mistake) -> Iterator[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import wmrgen
 from wmrgen.cli import console
@@ -13,6 +13,10 @@ from wmrgen.errors import UsageError
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.ports import Port, Role
 
+if TYPE_CHECKING:
+    from wmrgen.functions.control.gains import Verdict
+
+_UNITS = {"k_rho": "1/s", "k_alpha": "1/s", "k_beta": "1/s", "eigenvalues": "1/s"}
 _LARGEST = Exact(10**50)  # 1/s: the cubes of larger gains are beyond a double
 
 
@@ -62,11 +66,24 @@ def gains(
     texts["violated"] = ", ".join(verdict.violated) or "nothing"
     texts["polynomial"] = " ".join(f"{c:+.6g} {power}".rstrip() for c, power in powers)
     texts["eigenvalues"] = ", ".join(_complex(real, imaginary) for real, imaginary in facts["eigenvalues"])
-    console.values(texts)
+    console.result(_sentence(verdict))
+    console.values(texts, _UNITS)
     if verdict.stable:
         for text in verdict.lost:
             console.note(f"not from every pose: {text} fails")
     return 0
+
+
+def _sentence(verdict: Verdict) -> str:
+    """Return what a robot with these gains does, in one sentence."""
+    if not verdict.stable:
+        failing = " and ".join(verdict.violated)
+        return f"Unstable: the robot does not converge to the goal, because the gains violate {failing}."
+    if verdict.strong_all_beta:
+        return "Stable: a goal in front of the robot stays in front of it, whatever the heading at the goal."
+    if verdict.strong:
+        return "Stable: a goal in front of the robot stays in front of it if |beta| is at most 150 deg at the start."
+    return "Stable near the goal, but a goal in front of the robot may get behind it on the way."
 
 
 def _text(value: object) -> str:

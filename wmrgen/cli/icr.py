@@ -18,6 +18,21 @@ from wmrgen.geometry.ports import TWIST_NAMES
 if TYPE_CHECKING:
     from wmrgen.derivation.facade import Derivation
 
+_STANDSTILL, _AT_INFINITY = "none: standstill", "at infinity"  # in place of the coordinates of a centre
+_UNITS = {
+    "icr": "m",
+    "radius": "m",
+    "curvature": "1/m",
+    "direction": "rad",
+    "travel": "rad",
+    "point_velocity": "m/s",
+    "point_radius": "m",
+    "steer": "rad",
+    "needed": "rad",
+    "error": "rad",
+    "distance": "m",
+    "mismatch": "rad",
+}
 _FAR = 1e9  # m: a centre farther away is called infinitely far
 
 
@@ -51,10 +66,37 @@ def icr(
         console.data(result)
     else:
         wheels = result.pop("wheels", {})
-        console.values(result)
+        console.result(_sentence(result))
+        console.values(
+            result, {name: _unit(name) for name, value in result.items() if not isinstance(value, str)}
+        )
         for name, facts in wheels.items():
-            console.result(f"{name}: " + ", ".join(f"{k} {v!r}" for k, v in facts.items()))
+            console.result(f"{name}: " + ", ".join(f"{k} {v!r} {_unit(k)}" for k, v in facts.items()))
     return 0
+
+
+def _sentence(result: Mapping[str, Any]) -> str:
+    """Return what the robot does at this centre of rotation, or with these steering angles, in one sentence."""
+    centre = result.get("icr")
+    if result.get("rank") == 1:
+        return "All axles are on one line, so the robot can turn about any point of this line."
+    if centre is None:
+        return (
+            "These steering angles turn the robot about the given centre, or as nearly as its wheels allow."
+        )
+    if centre == _STANDSTILL:
+        return "The robot stands still, so it turns about no point."
+    if centre == _AT_INFINITY:
+        return f"The robot does not turn: every point of it moves in the direction {result['travel']:.6g} rad from x."
+    point = f"({centre[0]:.6g}, {centre[1]:.6g}) m"
+    if result.get("consistent") is False:
+        return f"The axles do not meet in one point. The wheels slide least if the robot turns about {point}."
+    return f"The robot turns about the point {point} of its frame."
+
+
+def _unit(name: str) -> str:
+    """Return the unit of a result, or of a fact about a wheel; "" if it has none."""
+    return _UNITS.get(name, "rad" if name.endswith(".steer") else "")
 
 
 def _twist(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
@@ -129,5 +171,5 @@ def _centre(values: Mapping[str, float]) -> dict[str, Any]:
     if abs(w) * _FAR > hypot(x, y):
         return {"icr": [x / w, y / w], "radius": values["radius"], "curvature": values["curvature"]}
     if hypot(x, y) <= 0:
-        return {"icr": "none: standstill"}
-    return {"icr": "at infinity", "direction": atan2(y, x), "travel": atan2(-x + 0.0, y), "curvature": 0.0}
+        return {"icr": _STANDSTILL}
+    return {"icr": _AT_INFINITY, "direction": atan2(y, x), "travel": atan2(-x + 0.0, y), "curvature": 0.0}

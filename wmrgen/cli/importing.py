@@ -30,8 +30,21 @@ def import_robot(
         option("The direction that is forward, in the frame of the robot's link."),
     ] = None,
     package: Package = None,
+    workspace: Annotated[
+        Path | None, option("A folder with ROS packages, such as src of a workspace.", "DIR")
+    ] = None,
     controller: Annotated[
         list[Path] | None, option("Read parameters of the wheels' controller too: YAML.", "FILE.yaml")
+    ] = None,
+    answer: Annotated[
+        list[str] | None,
+        option(
+            "Answer a question, such as left.r=0.1; the robot file has the value in place of TODO.",
+            "WHEEL.KEY=VALUE",
+        ),
+    ] = None,
+    update: Annotated[
+        Path | None, option("Take the answers to the same questions from this robot file.", "ROBOT.yaml")
     ] = None,
     as_json: Json = False,
 ) -> int:
@@ -42,14 +55,20 @@ def import_robot(
     """
     from wmrgen.cli.new import write_robot_file
     from wmrgen.robotfile.schema import MODELINE
+    from wmrgen.tools.importing.answers import answered, read_answers, updated
     from wmrgen.tools.importing.controllers import read_controllers
     from wmrgen.tools.importing.robot_file import as_json as imported_json
     from wmrgen.tools.importing.robot_file import counted, text
-    from wmrgen.tools.importing.source import pairs
+    from wmrgen.tools.importing.source import packages_in, pairs
 
     values = pairs(arguments or ())
     parameters = {path: read_controllers(path, values) for path in controller or ()}
-    robot = _imported(file, arguments or (), base, forward, package or (), parameters)
+    found = {} if workspace is None else packages_in(workspace)
+    packages = [*(f"{name}={folder}" for name, folder in found.items()), *(package or ())]
+    robot = _imported(file, arguments or (), base, forward, packages, parameters)
+    if update is not None:
+        robot = updated(robot, update)
+    robot = answered(robot, read_answers(answer or ()))
     for note in robot.notes:
         console.note(f"note: {file.name}: {note.removeprefix(f'{file.name}: ')}")
     written = f"{MODELINE}\n{text(robot, file.name)}"

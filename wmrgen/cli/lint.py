@@ -10,7 +10,7 @@ import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.declare import Base, Json, Package, argument, robot_files, verb
 from wmrgen.cli.loading import linted, paths_and_arguments
-from wmrgen.errors import StaleError, UsageError, WmrgenError
+from wmrgen.errors import ErrorCollector, NotDerivableError, StaleError, UsageError, WmrgenError
 
 if TYPE_CHECKING:
     from wmrgen.tools.comparing.record import Layout
@@ -41,9 +41,12 @@ def lint(
     robot: Layout | None = None  # the robot that parameters and headers after it are compared with
     for path in paths:
         try:
-            for layout in layouts(path, arguments, package or (), base):
+            described = layouts(path, arguments, package or (), base)
+            _refuse_robot_file(path, described)
+            for layout in described:
                 if _is_robot(layout, robot):
-                    found, skipped = _findings_of(layout, path)
+                    found, skipped, refused = _findings_of(layout, path)
+                    errors += refused
                     robot = layout
                 elif robot is not None:
                     found, skipped = _differences(robot, layout)
@@ -67,6 +70,23 @@ def lint(
     return StaleError.exit_code if findings else 0
 
 
+def _refuse_robot_file(path: Path, described: Sequence[Layout]) -> None:
+    """Raise RobotFileError for a file that has the key ``wheels`` of robot files, but was read as another form.
+
+    A robot file without its first line ``wmrgen: 1`` may look like the parameters of a controller.
+    """
+    from wmrgen.robotfile.load import text_of
+    from wmrgen.robotfile.reader import read_tree
+    from wmrgen.robotfile.text import MappingNode
+    from wmrgen.tools.comparing.record import CONTROLLER
+
+    if not described or described[0].form != CONTROLLER:
+        return
+    tree = read_tree(text_of(path), str(path), ErrorCollector(), aliases=True)
+    if isinstance(tree, MappingNode) and any(key.text == "wheels" for key, _ in tree.entries):
+        wmrgen.read(path)
+
+
 def _is_robot(layout: Layout, robot: Layout | None) -> bool:
     """Return whether a file is checked by itself, rather than compared with the ``robot`` before it.
 
@@ -79,19 +99,25 @@ def _is_robot(layout: Layout, robot: Layout | None) -> bool:
     return layout.form == DESCRIPTION and (robot is None or robot.form == DESCRIPTION)
 
 
-def _findings_of(layout: Layout, path: Path) -> tuple[list[Finding], list[str]]:
-    """Return the findings in a robot file or description, and what was not checked, in words."""
+def _findings_of(layout: Layout, path: Path) -> tuple[list[Finding], list[str], list[WmrgenError]]:
+    """Return the findings in a robot file or description, what was not checked, and why it cannot be derived."""
     from wmrgen.tools.comparing.compare import labelled
     from wmrgen.tools.comparing.record import ROBOT_FILE
 
     if layout.form == ROBOT_FILE:
         spec, built = wmrgen.read(path)
-        return linted(spec, wmrgen.derive(built)), []
+        derivation = wmrgen.derive(built)
+        found = linted(spec, derivation)
+        try:
+            _ = derivation.mobility
+        except NotDerivableError as error:
+            return found, [], list(error.parts)
+        return found, [], []
     unchecked = (
         f"{layout.source}: only the names of its wheels are checked against their positions; `wmrgen import` makes a "
         "robot file, in which `lint` checks everything"
     )
-    return list(labelled(layout)), [unchecked]
+    return list(labelled(layout)), [unchecked], []
 
 
 def _differences(robot: Layout, layout: Layout) -> tuple[list[Finding], list[str]]:

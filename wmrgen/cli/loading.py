@@ -57,7 +57,10 @@ def derived(path: Path, functions: Sequence[str] | None = None) -> Iterator[Deri
 
 
 def linted(spec: RobotSpec, derivation: Derivation) -> list[Finding]:
-    """Return the likely mistakes in a robot, without those that its file ignores."""
+    """Return the likely mistakes in a robot, without those that its file ignores.
+
+    Trailers and virtual wheels are not checked, because a mistake in the wheels may be why the robot cannot have them.
+    """
     from wmrgen.tools.lint import Subject, findings
 
-    return findings(Subject(spec, derivation.robot, derivation.mobility))
+    return findings(Subject(spec, derivation.robot, derivation.layout_mobility))

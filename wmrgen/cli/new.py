@@ -1,4 +1,4 @@
-"""``wmrgen new``: a robot file from the gallery with its keys explained, and with the user's own values."""
+"""``wmrgen new``: a robot file for a kind of drive, or a commented copy of a robot of the gallery."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Words, argument, option, output, verb
+from wmrgen.cli.drives import DRIVES
 from wmrgen.errors import Mark, UsageError
 from wmrgen.robotfile.shipped import shipped
 from wmrgen.robotfile.text import (
@@ -40,49 +41,139 @@ def _gallery(incomplete: str) -> list[str]:
     return [name for name in gallery() if name.startswith(incomplete)]
 
 
+def _drives(incomplete: str) -> list[str]:
+    return [name for name in DRIVES if name.startswith(incomplete)]
+
+
 @verb("new")
 def new(
     name: Annotated[str | None, argument("[NAME]", "The name of the robot, and of its file.")] = None,
     values: Annotated[
-        Words, argument("[PARAMETER=VALUE]...", "Values of its parameters: radius='50 mm'.")
+        Words, argument("[NUMBER=VALUE]...", "Numbers of the drive or of the robot: radius='50 mm'.")
+    ] = None,
+    drive: Annotated[
+        str | None, option(f"The kind of drive: {', '.join(DRIVES)}.", "KIND", _drives, "--drive")
     ] = None,
     start: Annotated[
         str | None,
-        option("The robot to start from; `wmrgen list` lists them.", "ROBOT", _gallery, "--from"),
+        option("Copy this robot instead; `wmrgen list` lists them.", "ROBOT", _gallery, "--from"),
     ] = None,
     description: Annotated[str | None, option("A description of the robot.", "TEXT")] = None,
     out: Annotated[Path | None, output("ROBOT.yaml", "The file; without it NAME.yaml.")] = None,
     as_json: Json = False,
 ) -> int:
-    """Example:  wmrgen new my_robot --from pioneer3dx radius="50 mm"
+    """Example:  wmrgen new my_robot --drive differential track="30 cm" radius="50 mm"
 
-    Write a robot file that starts from a robot of the gallery, with a comment on every key. It can be derived as it is.
-    On a terminal, wmrgen asks for what is not given. robot.schema.json is written next to it: editors use it to check
-    and complete the file.
+    Write a robot file for a kind of drive, or a copy of a robot of the gallery, with comments that explain it. Numbers
+    that are not given become TODO with a hint; `wmrgen derive` rejects the file until they are filled in. On a
+    terminal, wmrgen asks for the drive and its numbers. robot.schema.json is written next to the file, for editors.
     """
-    from wmrgen.cli.gallery import gallery, list_robots
-    from wmrgen.robotfile.load import read_text, text_of
-    from wmrgen.robotfile.typesetting import formatted
-
     asks = console.can_ask()
-    if not asks and not (name and start):
+    if drive and start:
+        raise UsageError("--drive and --from exclude each other. Give one of them.")
+    if not asks and not (name and (drive or start)):
         raise UsageError(
-            "a new robot needs a name and a robot to start from. Write wmrgen new MY_ROBOT --from ROBOT; "
-            "`wmrgen list` lists the robots."
+            "a new robot needs a name and a kind of drive. Write wmrgen new MY_ROBOT --drive KIND, "
+            f"where KIND is one of {' '.join(DRIVES)}, or --from ROBOT for a copy from the gallery."
         )
-    if start is None:
-        list_robots(False)
-        start = console.ask("Which of them is most like yours?", "pioneer3dx", _gallery_name)
-    origin = text_of(gallery()[_gallery_name(start)])
+    if drive is None and start is None:
+        drive = _asked_drive()
     name = (
-        _robot_name(name) if name else console.ask("What is your robot called?", f"my_{start}", _robot_name)
+        _robot_name(name)
+        if name
+        else console.ask("What is your robot called?", f"my_{start or drive}", _robot_name)
     )
     path = out or Path(f"{name}.yaml")
     if path.exists():
         raise UsageError(f"{path} exists already. Give another name, or another file with --out.")
+    if start:
+        text, said = _copy(name, values, start, description, path)
+    else:
+        text, said = _of_drive(name, values, _drive_name(drive or ""), description, path)
+    files = write_robot_file(path, text)
+    if as_json:
+        key, origin = ("from", start) if start else ("drive", drive)
+        console.data({"file": str(path), "name": name, key: origin, "files": files})
+        return 0
+    console.result(f"{' '.join(files)}: {said}")
+    console.note(f"Fill in what is missing. Then: wmrgen lint {path}; wmrgen derive {path}")
+    return 0
+
+
+def _asked_drive() -> str:
+    """Show the kinds of drives with their pictures, and ask for one."""
+    for kind, drive in DRIVES.items():
+        console.note(f"{kind}: {drive.summary}\n{drive.picture}")
+    return console.ask("Which kind of drive does your robot have?", "differential", _drive_name)
+
+
+def _of_drive(
+    name: str, values: Sequence[str] | None, kind: str, description: str | None, path: Path
+) -> tuple[str, str]:
+    """Return the text of a robot file for a kind of drive, and how many numbers are missing, in words.
+
+    Args:
+        name: The name of the robot.
+        values: NUMBER=VALUE words. On a terminal and without them the numbers are asked for.
+        kind: The kind of drive.
+        description: The description of the robot.
+        path: The file, for messages.
+    """
+    from wmrgen.robotfile.load import OPEN, read_text
+    from wmrgen.robotfile.schema import MODELINE
+
+    drive = DRIVES[kind]
+    names = [number.name for number in drive.numbers]
+    said = json.dumps(description or f"{kind} drive", ensure_ascii=False)
+    words = _given_words(values or (), names, f"a {kind} drive")
+
+    def accept(number: str, word: str) -> str:
+        """Return ``word`` if the file is valid with it; examples stand in for the other numbers."""
+        if word != OPEN:
+            tried = {each.name: each.example for each in drive.numbers} | {number: _as_yaml(word)}
+            wmrgen.robot_of(read_text(drive.robot_file(name, said, tried), str(path)))
+        return word
+
+    for given, word in words.items():
+        accept(given, word)
+    if console.can_ask() and not values:
+        console.note(f"{_UNITS} An empty answer leaves the number open: {OPEN}.")
+        for number in drive.numbers:
+            console.note(number.meaning)
+            words[number.name] = console.ask(f"{number.name}?", OPEN, partial(accept, number.name))
+    shown = {given: _as_yaml(word) for given, word in words.items()}
+    missing = [each for each in names if words.get(each, OPEN) == OPEN]
+    head = f"{name}, {kind} drive: {drive.summary}. x points forward, y to the left. {_UNITS}"
+    if missing:
+        head += f" Write a number in place of each {OPEN}; wmrgen derive refuses the file until then."
+    picture = [f"# {line}".rstrip() for line in drive.picture.strip("\n").split("\n")]
+    lines = [MODELINE, *_comment(head), *picture]
+    text = "\n".join(lines) + "\n" + drive.robot_file(name, said, shown)
+    return text, f"open: {' '.join(missing)}" if missing else "every number is given"
+
+
+def _copy(
+    name: str, values: Sequence[str] | None, start: str, description: str | None, path: Path
+) -> tuple[str, str]:
+    """Return the text of a copy of a robot of the gallery, and its degrees in words.
+
+    Args:
+        name: The name of the robot.
+        values: PARAMETER=VALUE words. On a terminal and without them the parameters are asked for.
+        start: The robot of the gallery.
+        description: The description of the robot.
+        path: The file, for messages.
+    """
+    from wmrgen.cli.gallery import gallery
+    from wmrgen.robotfile.load import read_text, text_of
+    from wmrgen.robotfile.typesetting import formatted
+
+    origin = text_of(gallery()[_gallery_name(start)])
     spec = read_text(origin, f"{start}.yaml")
-    words = _given_values(values or (), spec, start)
-    if asks and not values and spec.parameters:
+    words = _given_words(values or (), [p.name for p in spec.parameters], start)
+    for number, word in words.items():
+        _accepted_value(number, words, origin, spec, word)
+    if console.can_ask() and not values and spec.parameters:
         console.note(_UNITS)
         for p in spec.parameters:
             accept = partial(_accepted_value, p.name, words, origin, spec)
@@ -91,15 +182,25 @@ def new(
     text = _renamed(text, name, description or f"after {spec.description}")
     text = formatted(_commented(text, name, start), str(path))
     mobility = wmrgen.derive(wmrgen.robot_of(read_text(text, str(path)))).mobility
-    files = write_robot_file(path, text)
-    if as_json:
-        console.data({"file": str(path), "name": name, "from": start, "files": files})
-        return 0
-    console.result(
-        f"{' '.join(files)}: mobility {mobility.degree_of_mobility}, steerability {mobility.degree_of_steerability}"
-    )
-    console.note(f"Put in your own numbers. Then: wmrgen lint {path}; wmrgen derive {path}")
-    return 0
+    taken = [key for key in ("limits", "encoder", "noise", "gyro", "lag", "cg") if f"\n{key}:" in text]
+    passive = [wheel.name for wheel in spec.wheels if wheel.type in ("castor", "spherical")]
+    if taken or passive:
+        copied = " ".join([*passive, *taken])
+        console.note(f"Copied from {start}, so correct or delete what your robot does not have: {copied}.")
+    degrees = f"mobility {mobility.degree_of_mobility}, steerability {mobility.degree_of_steerability}"
+    return text, degrees
+
+
+def _drive_name(name: str) -> str:
+    """Return ``name`` if it is a kind of drive; raise UsageError otherwise."""
+    if name not in DRIVES:
+        raise UsageError(f"there is no kind of drive {quoted(name)}. {suggestion(name, list(DRIVES))}")
+    return name
+
+
+def _as_yaml(word: str) -> str:
+    """Return a value as YAML text, in quotes if it needs them."""
+    return word if _PLAIN.fullmatch(word) else json.dumps(word, ensure_ascii=False)
 
 
 def _gallery_name(name: str) -> str:
@@ -126,15 +227,23 @@ def _accepted_value(name: str, words: Mapping[str, str], origin: str, spec: Robo
     return word
 
 
-def _given_values(values: Sequence[str], spec: RobotSpec, start: str) -> dict[str, str]:
-    """Return PARAMETER=VALUE words by parameter. Raise UsageError for a parameter that ``start`` does not have."""
-    names = [p.name for p in spec.parameters]
+def _given_words(values: Sequence[str], names: Sequence[str], owner: str) -> dict[str, str]:
+    """Return NUMBER=VALUE words by name.
+
+    Args:
+        values: the words.
+        names: the numbers that ``owner`` has.
+        owner: the robot or drive, for messages.
+
+    Raises:
+        UsageError: for a word of another form, and for a number that ``owner`` does not have.
+    """
     words = {}
     for word in values:
         name, equals, value = word.partition("=")
         if not equals or name not in names:
             what = (
-                f"{start} has no parameter {quoted(name)}"
+                f"{owner} has no parameter {quoted(name)}"
                 if equals
                 else f"{quoted(word)} is not PARAMETER=VALUE"
             )
@@ -150,8 +259,7 @@ def _with_values(text: str, spec: RobotSpec, words: Mapping[str, str]) -> str:
     # From the end of the file to its start: a replacement does not move the places before it.
     for p in sorted(changed, key=lambda p: (p.value.mark.line, p.value.mark.column), reverse=True):
         word, row, start = words[p.name], p.value.mark.line - 1, p.value.mark.column - 1
-        shown = word if _PLAIN.fullmatch(word) else json.dumps(word, ensure_ascii=False)
-        lines[row] = lines[row][:start] + shown + lines[row][start + len(p.value.text) :]
+        lines[row] = lines[row][:start] + _as_yaml(word) + lines[row][start + len(p.value.text) :]
     return "\n".join(lines)
 
 

@@ -13,6 +13,7 @@ from wmrgen.cli import console
 from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError, UsageError
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.ports import Port
+from wmrgen.robotfile.expressions import UndeclaredParameter
 from wmrgen.robotfile.numbers import Kind
 from wmrgen.robotfile.quantities import Scope
 from wmrgen.robotfile.text import Scalar, bytes_of, quoted, read_stream, suggestion
@@ -224,6 +225,10 @@ def _unsigned_zero(text: str, port: Port, place: str) -> Exact:
     scalar = Scalar(Mark("", 1, 1, ""), text, True)
     try:
         return evaluate(read_quantity(scalar, _KINDS.get(port.unit, Kind.ANY), port.name, Scope()), {})
+    except UndeclaredParameter as error:  # a file declares names, the command line does not
+        number = f"0.5{' ' + port.unit if port.unit else ''}"
+        hint = f"Write a number, such as {port.name}=0.5 or {port.name}='{number}'."
+        raise UsageError(f"{what} = {text[:60]!r} is not a number. {hint}") from error
     except RobotFileError as error:
         hint = " ".join(part for part in (error.why, error.instead) if part)
         raise UsageError(f"{what} = {text[:60]!r}: {error.what}. {hint}".rstrip()) from error

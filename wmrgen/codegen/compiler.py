@@ -1,6 +1,6 @@
 """The programs of the system: find a compiler or tool, compile in a temporary folder, run a program.
 
-Only this module starts other programs.
+Only this module starts other programs, Python included.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import shlex
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -108,6 +109,30 @@ def _run(
         message = "\n".join(errors.splitlines()[:20])
         raise EnvironmentFailure(f"{what} failed with status {process.returncode}:\n{message}")
     return printed, errors
+
+
+def run_python(code: str, stdin: str, timeout: float) -> str | None:
+    """Run Python code in a process of its own.
+
+    Args:
+        code: The code. The process finds modules only in the folders that the code adds to ``sys.path``.
+        stdin: Its input.
+        timeout: Longest duration [s].
+
+    Returns:
+        What it prints on stdout; None if it takes too long and was stopped.
+
+    Raises:
+        EnvironmentFailure: The process cannot be started, or fails.
+    """
+    how = ". Start wmrgen by a Python interpreter."
+    command = (sys.executable, "-I", "-c", code)
+    try:
+        return _run(command, "a process of Python", stdin, how=how, timeout=timeout)[0]
+    except EnvironmentFailure as failure:
+        if isinstance(failure.__cause__, subprocess.TimeoutExpired):
+            return None
+        raise
 
 
 @contextlib.contextmanager

@@ -87,9 +87,14 @@ class Derivation:
         return constrain(self.robot, symbolic_view)
 
     @cached_property
+    def layout_mobility(self) -> Mobility:
+        """Degrees, ranks and reasons of the wheels, whatever trailers and virtual wheels the robot file has."""
+        return analyse(self.robot)
+
+    @cached_property
     def mobility(self) -> Mobility:
         """Degrees, ranks and reasons. NotDerivableError if the layout cannot have its trailers or virtual wheels."""
-        mobility = analyse(self.robot)
+        mobility = self.layout_mobility
         if self.robot.trailers or self.robot.virtual:
             from wmrgen.functions.models.virtual import check_virtual
             from wmrgen.functions.trailers.trailer import check_trailers

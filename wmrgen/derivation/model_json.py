@@ -13,7 +13,7 @@ from wmrgen.functions.registry import has_system, system_builder
 from wmrgen.geometry.constraints import XI, Constraints, constrain, pfaffian, pfaffian_rates, working_view
 from wmrgen.geometry.exact.number import ONE, Exact
 from wmrgen.geometry.exact.poly import Gen, Poly, dot
-from wmrgen.geometry.layout.records import Encoder, Gyro, Interval, Noise, Robot, Wheel
+from wmrgen.geometry.layout.records import DEFAULT_FRAME, Encoder, Gyro, Interval, Noise, Robot, Wheel
 from wmrgen.geometry.notation import plain
 from wmrgen.ir.bounds.robot import Bounds
 from wmrgen.ir.bounds.robot import data as bounds_data
@@ -97,6 +97,7 @@ def _identity(robot: Robot) -> dict[str, Any]:
         "name": robot.name,
         "description": robot.description,
         "source": robot.source,
+        **({"frame": robot.frame} if robot.frame != DEFAULT_FRAME else {}),
         "parameters": [
             {
                 "name": p.name,
@@ -183,7 +184,8 @@ def _wheel(w: Wheel) -> dict[str, Any]:
     if w.weight != ONE:
         entry["weight"] = float(w.weight)
     limits = {"limits": _limits(w.limits)} if w.limits else {}
-    return {**entry, **_of_joints(w), **limits}
+    names = {joint: {"name": n.name, "reversed": n.reversed} for joint, n in w.joints.items()}
+    return {**entry, **_of_joints(w), **limits, **({"joints": names} if names else {})}
 
 
 def _limits(limits: Mapping[str, Interval]) -> dict[str, list[float]]:

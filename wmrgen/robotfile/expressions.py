@@ -37,6 +37,23 @@ _OPERATORS: dict[type[ast.operator], str] = {
 }
 _GRAMMAR = "An expression has numbers, parameters, pi, + - * / ** ( ) sqrt sin cos tan atan2."
 _BOTH_ENDS = "Write both ends, such as [-35 deg, 35 deg]."
+_DIRECTIONS = "A direction is an angle from x: forward is 0, left 90 deg, backward 180 deg, right -90 deg."
+_WORDS = dict.fromkeys(  # that people write in place of an angle
+    (
+        "forward",
+        "forwards",
+        "ahead",
+        "front",
+        "left",
+        "right",
+        "back",
+        "backward",
+        "backwards",
+        "rear",
+        "sideways",
+    ),
+    _DIRECTIONS,
+)
 _FUNCTION_ALIASES = {
     **dict.fromkeys(("atan", "arctan", "arctan2"), "Write atan2(y, x)."),
     **dict.fromkeys(("asin", "acos", "arcsin", "arccos"), "Write the angle with atan2(y, x)."),
@@ -181,7 +198,10 @@ class _Parser:
         near, instead = nearest(word, [*self._names, "pi"]), "Write the number."
         with contextlib.suppress(RobotFileError):
             parameter_name(replace(self._node, text=word))
-            instead = f"Declare it, such as parameters: {{{word}: 0.1}}, or write the number."
+            instead = (
+                f"Write the number, or declare the name with its value, such as parameters: {{{word}: 0.1}}."
+            )
+        instead = _WORDS.get(word.lower(), instead)
         raise UndeclaredParameter(
             f"{quoted(word)} is not a declared parameter",
             self._node.mark_at(at),

@@ -30,6 +30,12 @@ class Text(NamedTuple):
     longest: int  # characters
 
 
+class OuterName(NamedTuple):
+    """The name of a joint or frame in other tools, see `wmrgen.robotfile.names.outer_name`."""
+
+    signed: bool  # whether a minus sign before the name means the opposite direction
+
+
 @dataclass(frozen=True, slots=True)
 class Word:
     """One of a few words."""
@@ -112,7 +118,7 @@ class Section(NamedTuple):
         return {f.key: f for f in self.fields}[key]
 
 
-Value = Version | Name | Text | Word | Amount | Interval | OneOf | ListOf | Mapped | Section
+Value = Version | Name | OuterName | Text | Word | Amount | Interval | OneOf | ListOf | Mapped | Section
 Reason = tuple[str, str]  # why it matters, what to write
 Error = tuple[str, str, str]  # what is wrong, why it matters, what to write
 

@@ -1,4 +1,4 @@
-"""Read the limits, noise, encoders and lags of joints, for the whole robot or for one wheel."""
+"""Read the limits, noise, encoders, lags and names of joints, for the whole robot or for one wheel."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from typing import Any
 from wmrgen.errors import ErrorCollector
 from wmrgen.robotfile.fields import Interval, Section
 from wmrgen.robotfile.keys import LIMITS, WRAPS
+from wmrgen.robotfile.names import outer_name
 from wmrgen.robotfile.quantities import Scope, read_quantity
-from wmrgen.robotfile.records import EncoderSpec, Limit, Neg, NoiseSpec, Quantity
+from wmrgen.robotfile.records import EncoderSpec, JointName, Limit, Neg, NoiseSpec, Quantity
 from wmrgen.robotfile.tables import Table, table_of
-from wmrgen.robotfile.text import SequenceNode
+from wmrgen.robotfile.text import SequenceNode, scalar_of
 
 
 def read_of_joints(
@@ -26,7 +27,7 @@ def read_of_joints(
     """Read what a robot or a wheel gives for its joints.
 
     Args:
-        key: ``limits``, ``noise``, ``encoder`` or ``lag``.
+        key: ``limits``, ``noise``, ``encoder``, ``lag`` or ``joints``.
         owner: The table of the robot or the wheel.
         what: Names the owner in messages.
         scope: The parameters that expressions may use.
@@ -108,8 +109,18 @@ def _lag(
     return joint, time
 
 
+def _name(
+    joint: str, table: Table, _what: str, _scope: Scope, _collector: ErrorCollector
+) -> tuple[str, JointName]:
+    """Read the name of a joint in other tools; a minus sign before it means that its axis is opposite."""
+    node = scalar_of(table.values[joint], joint)
+    text = node.text.strip()
+    unsigned = text.removeprefix("-")
+    return joint, JointName(outer_name(replace(node, text=unsigned), "joint"), unsigned != text)
+
+
 # What reads one entry of each key: takes the name of the entry, the table of entries, the owner, scope and collector.
-_READERS = {"limits": _limit, "noise": _noise, "encoder": _encoder, "lag": _lag}
+_READERS = {"limits": _limit, "noise": _noise, "encoder": _encoder, "lag": _lag, "joints": _name}
 
 
 def _entry(joint: str, table: Table, title: str, collector: ErrorCollector) -> Table:

@@ -12,6 +12,7 @@ from wmrgen.robotfile.fields import (
     Mapped,
     Name,
     OneOf,
+    OuterName,
     Section,
     Text,
     Version,
@@ -179,6 +180,25 @@ ENCODER = Section(
         ),
     ),
 )
+
+JOINTS = Section(
+    "joints",
+    "joints: {spin: left_wheel_joint, steer: left_steering_joint}",
+    (
+        Field(
+            "spin", OuterName(True),
+            "name of the joint about the axle in descriptions, controllers and logs. A minus sign before it, as in "
+            "`-left_wheel_joint`, means that a positive rate of that joint rolls the wheel backward",
+            default="`<wheel>_spin`", example="left_wheel_joint", joint="spin",
+        ),
+        Field(
+            "steer", OuterName(True),
+            "name of the steering joint. A minus sign before it means that the axis of that joint points down: a "
+            "positive angle steers to the right",
+            default="`<wheel>_steer`", example="-left_steering_joint", joint="steer",
+        ),
+    ),
+)  # fmt: skip
 
 LAG = Section(
     "lag",
@@ -434,6 +454,7 @@ WHEEL = Section(
         Field("noise", NOISE, "noise of this wheel's joints, in place of that of the robot"),
         Field("encoder", ENCODER, "encoders of this wheel's joints, in place of those of the robot"),
         Field("lag", LAG, "lag of this wheel's joints, in place of that of the robot"),
+        Field("joints", JOINTS, "names of this wheel's joints in other tools", aliases={"joint": ""}),
     ),
     (
         Choice(
@@ -469,6 +490,10 @@ ROBOT = Section(
         ),
         Field("description", Text(2_000), "which robot it is, for the banner and the report"),
         Field("source", Text(2_000), "source of the dimensions"),
+        Field(
+            "frame", OuterName(False), "name of the robot frame in other tools", default="`base_link`",
+            example="chassis_base", aliases=dict.fromkeys(("base", "base_frame", "base_link", "frame_id"), ""),
+        ),
         Field(
             "angles",
             Word(
@@ -564,6 +589,7 @@ SECTIONS = {
     "`steer` of `encoder`": STEERING_COUNTER,
     "`gyro`": GYRO,
     "`lag`, of the robot or of a wheel": LAG,
+    "`joints` of a wheel": JOINTS,
     "A parameter with more than a value": PARAMETER,
     "Each of `couplings`": COUPLING,
     "Each of `virtual`": VIRTUAL,

@@ -14,7 +14,7 @@ from wmrgen.robotfile.fields import Text, Version
 from wmrgen.robotfile.joints import read_of_joints
 from wmrgen.robotfile.keys import ROBOT
 from wmrgen.robotfile.mapping import tree_of
-from wmrgen.robotfile.names import Names, robot_name
+from wmrgen.robotfile.names import Names, outer_name, robot_name
 from wmrgen.robotfile.parts import (
     Reading,
     read_gains,
@@ -43,7 +43,7 @@ from wmrgen.robotfile.text import (
 from wmrgen.robotfile.wheels import declared_types, every_wheel_is_named, read_couplings, read_wheels
 
 _DUNDER = re.compile(r"__\w+__")  # names such as __import__, which would be code in Python
-OPEN = "TODO"  # `wmrgen import` writes it, without quotes, for a value that the user must fill in
+OPEN = "TODO"  # `wmrgen import` and `new` write it, without quotes, for a value that the user must fill in
 _KEYS_OF_A_MODEL = {"format", "robot_type", "C1f"}  # by which a model.json is recognised
 
 
@@ -176,10 +176,17 @@ def _free_text(table: Table, key: str) -> str:
     return text
 
 
+def _frame(table: Table) -> str:
+    """Return the name of the robot frame in other tools; "" if the file has none."""
+    node = table.get("frame")
+    return "" if node is None else outer_name(scalar_of(node, "frame"), "frame")
+
+
 # The fields of a RobotSpec that are read after parameters and wheels, each with its reader.
 _PARTS: dict[str, Callable[[Reading], Any]] = {
     "description": lambda r: _free_text(r.table, "description"),
     "source": lambda r: _free_text(r.table, "source"),
+    "frame": lambda r: _frame(r.table),
     "snap": lambda r: r.table.word("snap"),
     "tolerance": lambda r: r.table.amount("tolerance", "the robot", r.scope),
     "couplings": lambda r: read_couplings(r.table, r.types, r.scope, r.collector),
@@ -210,7 +217,7 @@ def _refuse_questions(tree: Node) -> None:
         with collector:
             raise node.error(
                 f"{key or 'this value'} is an open question",
-                "The import could not find this value.",
+                "The file does not give this value yet.",
                 f"Write the value in place of {OPEN}; the comment next to it says what is asked.",
                 code=Code.OPEN,
             )

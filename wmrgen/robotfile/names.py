@@ -20,6 +20,8 @@ from wmrgen.robotfile.text import Node, Scalar, latin, lookalike, quoted
 
 MAX_NAME = 31  # characters; see _WHY_SO_LONG
 NAME_PATTERN = f"^[A-Za-z][A-Za-z0-9_]{{0,{MAX_NAME - 1}}}$"
+# Names in public descriptions have prefixes (front_left/wheel), models (robot::wheel), hyphens and version numbers.
+OUTER_NAME_PATTERN = "^[A-Za-z0-9_/](?:[A-Za-z0-9_./: -]{0,198}[A-Za-z0-9_./-])?$"
 _WHY_SO_LONG = (
     "C compilers need to compare only 63 characters of a macro (C99, 5.2.4.1): the robot's name, _ and a wheel's name, "
     f"with at most {MAX_NAME} characters each."
@@ -115,6 +117,23 @@ def numbered_names(node: Scalar, count: int) -> tuple[str, ...]:
 def parameter_name(node: Scalar) -> str:
     """Return the name of a parameter; raise RobotFileError if it is invalid, or a word of expressions or the model."""
     return _check(node, "parameter")
+
+
+def outer_name(node: Scalar, what: str) -> str:
+    """Return the name of a joint or frame (``what``) in other tools; raise RobotFileError if it is invalid."""
+    if not is_outer_name(node.text):
+        raise node.error(
+            f"{quoted(node.text)} is not the name of a {what}",
+            "It has letters a-z and A-Z, digits, spaces and _ - . / :, and at most 200 characters.",
+            f"Write the name that the robot description has for the {what}.",
+            code=Code.NAME,
+        )
+    return node.text
+
+
+def is_outer_name(text: str) -> bool:
+    """Return whether a robot file may have this name for a joint or frame of other tools."""
+    return bool(re.fullmatch(OUTER_NAME_PATTERN, text))
 
 
 class Names:

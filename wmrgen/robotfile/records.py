@@ -128,6 +128,18 @@ class EncoderSpec(NamedTuple):
     offset: Quantity | None = None  # reading of an absolute encoder when the joint is at 0; None: incremental
 
 
+class JointName(NamedTuple):
+    """The name of a joint in other tools."""
+
+    name: str
+    reversed: bool = False  # whether a positive angle there is a negative angle here
+
+    @property
+    def sign(self) -> int:
+        """The angle here for an angle of 1 rad there: 1 or -1."""
+        return -1 if self.reversed else 1
+
+
 class GyroSpec(NamedTuple):
     """A yaw-rate sensor."""
 
@@ -166,6 +178,7 @@ class WheelSpec:
     noise: tuple[NoiseSpec, ...] = ()
     encoders: tuple[EncoderSpec, ...] = ()
     lag: tuple[tuple[str, Quantity], ...] = ()  # joint, time constant
+    joints: tuple[tuple[str, JointName], ...] = ()  # joint, its name in other tools
 
     @property
     def kind(self) -> WheelType:
@@ -227,6 +240,7 @@ class RobotSpec:
     wheels: tuple[WheelSpec, ...]
     description: str = ""
     source: str = ""
+    frame: str = ""  # the name of the robot frame in other tools; "" is the default
     snap: bool = True
     tolerance: Quantity | None = None
     couplings: tuple[Coupling, ...] = ()

@@ -14,6 +14,7 @@ from wmrgen.robotfile.fields import (
     Mapped,
     Name,
     OneOf,
+    OuterName,
     Section,
     Text,
     Value,
@@ -97,6 +98,8 @@ def example(field: Field) -> str:
             return f"{key}: {number}"
         case Name():
             return f"{key}: front"
+        case OuterName():
+            return f"{key}: left_wheel_joint"
         case Text():
             return f"{key}: two wheels and a ball"
         case Word(words, default):
@@ -121,6 +124,8 @@ def mistake(field: Field) -> tuple[str, Code]:
     match field.value:
         case Name():
             return f"{key}: front-left", Code.NAME
+        case OuterName():
+            return f"{key}: wheel*", Code.NAME
         case ListOf(OneOf("wheel" | "function")):
             return f"{key}: [none]", Code.UNDECLARED
         case ListOf(OneOf()):
@@ -156,6 +161,8 @@ def _in_words(value: Value) -> str:
             return f"`{number}`"
         case Name():
             return "new name: a-z, A-Z, 0-9 and _, at most 31 characters"
+        case OuterName(signed):
+            return f"name in other tools{', with `-` before it if its axis is opposite' * signed}"
         case Text(longest):
             return f"text, at most {longest} characters"
         case Word(words, interval=interval):

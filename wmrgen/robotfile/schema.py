@@ -17,15 +17,16 @@ from wmrgen.robotfile.fields import (
     Mapped,
     Name,
     OneOf,
+    OuterName,
     Section,
     Text,
     Value,
     Version,
     Word,
 )
-from wmrgen.robotfile.keys import ENCODER, LIMITS, NOISE, ROBOT, WHEEL
+from wmrgen.robotfile.keys import ENCODER, JOINTS, LIMITS, NOISE, ROBOT, WHEEL
 from wmrgen.robotfile.load import OPEN
-from wmrgen.robotfile.names import NAME_PATTERN
+from wmrgen.robotfile.names import NAME_PATTERN, OUTER_NAME_PATTERN
 from wmrgen.robotfile.numbers import NUMBER, Kind, spellings_of, units_of
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES, WheelType
 from wmrgen.robotfile.wheels import takes
@@ -151,6 +152,10 @@ def _value(value: Value) -> Schema:
             return {"const": int(number)}
         case Name():
             return _ref("name")
+        case OuterName(signed):
+            pattern = OUTER_NAME_PATTERN.replace("^", "^-?", 1) if signed else OUTER_NAME_PATTERN
+            text = "a name: letters, digits, spaces and _ - . / :, 200 characters at most"
+            return _name(pattern, text + (", with a minus sign if the axis is opposite" * signed))
         case Text(longest):
             return {"type": "string", "maxLength": longest}
         case Word(words, default, interval=Kind() as kind):
@@ -220,7 +225,7 @@ def _wheel(kind: WheelType) -> Schema:
     joints = kind.powered.joints if kind.powered else kind.joints
     for key in ("actuated", "sensed"):
         properties[key]["items"] = {"enum": list(joints)}
-    for key, section in (("limits", LIMITS), ("noise", NOISE), ("encoder", ENCODER)):
+    for key, section in (("limits", LIMITS), ("noise", NOISE), ("encoder", ENCODER), ("joints", JOINTS)):
         own = section.keys_of(joints)
         of_joints = _section(section, (f for f in section.fields if f.key in own))
         properties[key] = {**of_joints, "description": WHEEL.field(key).meaning}

@@ -156,12 +156,13 @@ def _check_keys(table: Table, kind: WheelType, what: str, collector: ErrorCollec
 def _joint_facts(
     table: Table, kind: WheelType, what: str, scope: Scope, collector: ErrorCollector
 ) -> dict[str, tuple[Any, ...]]:
-    """Return the fields of a WheelSpec that belong to joints: driven, measured, limits, noise, encoders and lag."""
+    """Return the fields of a WheelSpec that belong to joints: driven, measured, limits, noise, encoders, lag, names."""
     facts: dict[str, tuple[Any, ...]] = {"actuated": kind.actuated}
     for key in ("actuated", "sensed"):
         with collector:
             facts[key] = read_joints(table, key, kind, facts["actuated"])
-    for part, key in (("limits", "limits"), ("noise", "noise"), ("encoders", "encoder"), ("lag", "lag")):
+    keys = {"limits": "limits", "noise": "noise", "encoders": "encoder", "lag": "lag", "joints": "joints"}
+    for part, key in keys.items():
         with collector:
             facts[part] = read_of_joints(key, table, what, scope, collector, kind.joints)
     return facts

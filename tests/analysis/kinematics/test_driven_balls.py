@@ -20,7 +20,7 @@ from wmrgen.errors import Code, NotDerivableError, RobotFileError, WmrgenError
 from wmrgen.ir.interpret import FLOAT64, evaluate
 from wmrgen.ir.lower import lower
 from wmrgen.tools.exporting.bodies import bodies
-from wmrgen.tools.exporting.drives import drive_of
+from wmrgen.tools.exporting.drives import drive_with
 
 Array = NDArray[np.float64]
 SEEDS = range(6)
@@ -238,7 +238,7 @@ def test_other_formats_know_no_driven_ball(tmp_path: Path) -> None:
     with pytest.raises(NotDerivableError):
         bodies(d.robot)
     with pytest.raises(NotDerivableError):  # it can be pushed sideways: no differential drive
-        drive_of(d.robot, {"differential"})
+        drive_with(d.robot, {"differential": "DiffDrive"}.get)
 
 
 def values(found: Any) -> Array:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.robotfile.files import robot, wheel
+from wmrgen.tools.comparing.commands import RELEASE
 from wmrgen.tools.comparing.compare import compare
 from wmrgen.tools.comparing.differences import CODES
 from wmrgen.tools.comparing.record import Comparison
@@ -21,7 +22,7 @@ def files(folder: Path, example: str, ignore: str = "") -> tuple[Path, Path]:
     """The two files of an example; ``ignore``: a comment on every line of the second."""
     paths = []
     for name, text in zip(("first", "second"), example.split("---\n"), strict=True):
-        head = "wmrgen: 1\nname: tried\n" if text.startswith("wheels:") else ""
+        head = "wmrgen: 1\nname: tried\n" if text.startswith(("wheels:", "limits:")) else ""
         lines = (head + text).rstrip("\n").split("\n")
         if ignore and name == "second":
             lines = [f"{line}   {ignore}" for line in lines]
@@ -30,22 +31,26 @@ def files(folder: Path, example: str, ignore: str = "") -> tuple[Path, Path]:
     return paths[0], paths[1]
 
 
-def compared(paths: tuple[Path, Path]) -> Comparison:
-    (a,), (b,) = map(layouts, paths)
+def compared(paths: tuple[Path, Path], rule: Rule | None = None) -> Comparison:
+    """The comparison of two files; the rule of other releases is that of rolling."""
+    (a,), (b,) = (
+        layouts(paths[0]),
+        layouts(paths[1], distro="rolling" if rule and rule.code == RELEASE else None),
+    )
     return compare(a, b)
 
 
 @EACH
 def test_the_wrong_example_has_the_difference_and_the_right_one_none(rule: Rule, tmp_path: Path) -> None:
-    assert {d.code for d in compared(files(tmp_path, rule.wrong)).differences} == {rule.code}
-    assert compared(files(tmp_path, rule.right)).differences == ()
+    assert {d.code for d in compared(files(tmp_path, rule.wrong), rule).differences} == {rule.code}
+    assert compared(files(tmp_path, rule.right), rule).differences == ()
 
 
 @EACH
 def test_a_comment_beside_the_line_ignores_that_difference_alone(rule: Rule, tmp_path: Path) -> None:
-    if compared(files(tmp_path, rule.wrong)).differences[0].marks:
-        assert compared(files(tmp_path, rule.wrong, f"# wmrgen: ignore {rule.code}")).differences == ()
-    assert compared(files(tmp_path, rule.wrong, "# wmrgen: ignore WMR999")).differences != ()
+    if compared(files(tmp_path, rule.wrong), rule).differences[0].marks:
+        assert compared(files(tmp_path, rule.wrong, f"# wmrgen: ignore {rule.code}"), rule).differences == ()
+    assert compared(files(tmp_path, rule.wrong, "# wmrgen: ignore WMR999"), rule).differences != ()
 
 
 def test_another_wheelbase_stands_at_the_wheel_that_moved(tmp_path: Path) -> None:

@@ -167,7 +167,7 @@ def test_what_no_controller_has_is_refused_in_words(name: str) -> None:
         ("omni", ("alpha: ", "alpha: 1"), "equally spaced"),
         ("omni", ("beta: 0", "beta: pi"), "distances of the wheels"),
         ("omni", ("r: 0", "r: 0.001 + 0"), "radii differ"),
-        ("bicycle", ("y: 0", "y: 0.001"), "beside the x axis"),
+        ("bicycle", ("y: 0", "y: 0.001"), "not on the x axis"),
         ("tricycle", ("actuated: [steer]", "actuated: [spin, steer]"), "2 fixed, 1 steered, 3 driven"),
         ("ackermann", ("name: rl", "actuated: [], name: rl"), "2 fixed, 2 steered, 1 driven"),
         ("ackermann", ("actuated: [steer]", "actuated: []"), "not steered by a motor"),

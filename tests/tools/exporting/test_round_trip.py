@@ -21,6 +21,8 @@ from tests.tools.exporting.common import drives, load, same_angle
 from wmrgen.errors import NotDerivableError
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.robotfile.wheel_types import CASTOR
+from wmrgen.tools.comparing.compare import compare
+from wmrgen.tools.comparing.sources import layouts
 from wmrgen.tools.exporting.ros2_control import ros2_control
 from wmrgen.tools.exporting.sdf import sdf
 from wmrgen.tools.exporting.urdf import urdf
@@ -169,15 +171,73 @@ def test_what_ros2_control_gets_comes_back(kind: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("kind", list(drives(Random(0))))
 def test_compare_finds_no_difference(kind: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
-    """`wmrgen compare` of the robot file, without its ball, with each file that was made of it. A multiplier of a
-    radius it takes for a correction, so that wheels have one radius and roll forward."""
+    """`wmrgen compare` of the robot file, without its ball, with each file that was made of it."""
     wheels, more = drives(Random(kind))[kind]
-    forward = [w.replace("heading: pi,", "heading: 0,") for w in wheels if "spherical" not in w]
-    if kind == "differential":
-        forward[1] = forward[1].rpartition("r: ")[0] + "r: " + forward[0].rpartition("r: ")[2]
+    forward = [w for w in wheels if "spherical" not in w]
     robot = load(tmp_path, *forward, more=more)
     files = {**ros2_control(robot), "drawn.sdf": sdf(robot)}
     for name, written in files.items():
         (tmp_path / name).write_text(written, encoding="utf-8")
         done = wmrgen_cli("compare", tmp_path / "drawn.yaml", tmp_path / name)
         assert (done.code, done.out.strip().endswith("equal")) == (0, True), (name, done.out)
+
+
+def changes(line: str) -> str:
+    """A line of a controller's parameters, its number increased or its list reversed; "" if it has neither."""
+    start, _, value = line.partition(": ")
+    if value.startswith("[") and start.strip() not in ("left_wheel_names", "right_wheel_names"):
+        return f"{start}: [{', '.join(reversed(value.strip('[]').split(', ')))}]"
+    try:
+        number = float(value)
+    except ValueError:
+        return ""
+    return "" if start.strip() == "update_rate" else f"{start}: {number * 1.01 if number else 0.2}"
+
+
+@pytest.mark.parametrize("path", GALLERY, ids=lambda p: p.stem)
+def test_every_change_of_a_parameter_is_found(path: Path, tmp_path: Path) -> None:
+    """Numbers changed by 1 %; lists of joints reversed, but those of one side, whose order has no effect."""
+    robot = wmrgen.load(path)
+    (own,) = layouts(path)
+    try:
+        lines = ros2_control(robot)[f"{robot.name}_controllers.yaml"].split("\n")
+    except NotDerivableError:
+        return
+    missed = []
+    for i, line in enumerate(lines):
+        changed = changes(line)
+        if changed and changed != line:
+            (tmp_path / "p.yaml").write_text(
+                "\n".join([*lines[:i], changed, *lines[i + 1 :]]), encoding="utf-8"
+            )
+            (controller,) = layouts(tmp_path / "p.yaml")
+            missed += [changed] if not compare(own, controller).differences else []
+    assert missed == []
+
+
+def exported(robot: Robot) -> dict[str, str]:
+    """Every file that `export` writes of a robot, of which `compare` reads joints or wheels; none of a driven ball."""
+    files = {}
+    for kind, write in (
+        ("urdf", lambda: {f"{robot.name}.urdf": urdf(robot)}),
+        ("sdf", lambda: {f"{robot.name}.sdf": sdf(robot)}),
+        ("ros2_control", lambda: ros2_control(robot)),
+    ):
+        try:
+            files |= {f"{kind}_{name}": file for name, file in write().items()}
+        except NotDerivableError:
+            assert kind == "ros2_control" or any(w.ball for w in robot.wheels)
+    return files
+
+
+@pytest.mark.parametrize("path", GALLERY, ids=lambda p: p.stem)
+def test_every_export_of_the_gallery_is_equal_under_compare(path: Path, tmp_path: Path) -> None:
+    robot, found = wmrgen.load(path), {}
+    (own,) = layouts(path)
+    for name, file in exported(robot).items():
+        (tmp_path / name).write_text(file, encoding="utf-8")
+        for layout in layouts(tmp_path / name):
+            result = compare(own, layout)
+            found |= {(name, d.code, d.wheel): d.words for d in result.differences}
+            assert result.compared or not any(w.actuated for w in robot.wheels)
+    assert found == {}

@@ -395,7 +395,6 @@ def test_a_fixed_joint_with_an_axis_alone_is_no_wheel(wmrgen_cli: Cli, tmp_path:
         ('rpy="1.57 0 0"', 'rpy="90 0 0"', "rpy is '90 0 0', in radians more than a turn; degrees were likely meant"),
         ('radius="0.1"', 'radius="-0.1"', "link 'left_link': collision: a radius of -0.1 is not read"),
         ('<parent link="base_link"/><child link="tail', '<child link="tail', "'tail' has no <parent>, and is not read"),
-        ('<link name="tail"', '<link name="left_link"/><link name="tail"', "'left_link': several links have this name"),
     ],
 )  # fmt: skip
 def test_slips_are_noted(read: Import, this: str, that: str, note: str) -> None:

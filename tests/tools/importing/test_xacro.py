@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import resource
 from collections.abc import Callable
 from itertools import count
 from pathlib import Path
@@ -14,8 +15,10 @@ import pytest
 
 from tests.conftest import Outcome
 from tests.tools.importing.urdf import link, pair, robot
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import Code, RobotFileError
 from wmrgen.tools.importing.expressions import checked, counted, offered
+from wmrgen.tools.importing.read import mark_of
+from wmrgen.tools.importing.xacro_process import resolve
 
 Cli = Callable[..., Outcome]
 HEAD = '<robot name="probe" xmlns:xacro="http://www.ros.org/wiki/xacro">'
@@ -303,3 +306,47 @@ def test_a_macro_of_mecanum_wheels_says_rollers(wmrgen_cli: Cli, tmp_path: Path)
     for call, kind in (("<xacro:mecanum_wheels/>", "swedish"), (wheels, "fixed")):
         done = wmrgen_cli("import", write(tmp_path, macro, call), "--json")
         assert {w["type"] for w in json.loads(done.out)["wheels"]} == {kind}
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        "${('a' * 4999).replace('a', 'b' * 4999).replace('b', 'c' * 4999)}",
+        "${','.join(['x' * 24000] * 12499).replace(',', 'y' * 24000).replace('y', 'zz')}",
+    ],
+)
+def test_an_expression_that_takes_all_memory_is_refused(wmrgen_cli: Cli, tmp_path: Path, value: str) -> None:
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss  # [KiB] on Linux
+    done = wmrgen_cli("import", write(tmp_path, pair(), f'<a b="{value}"/>'))
+    grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
+    assert done.code == 2 and grown < 200_000, done.err
+
+
+def test_a_file_that_takes_too_long_is_stopped(tmp_path: Path) -> None:
+    with pytest.raises(RobotFileError) as caught:
+        resolve(write(tmp_path, pair()), {}, {}, longest=0.01)
+    assert caught.value.code == Code.DESCRIPTION
+
+
+def test_elements_of_the_process_have_their_places(tmp_path: Path) -> None:
+    path = write(
+        tmp_path, "\n<xacro:macro name='m'><link name='a'/></xacro:macro>\n<xacro:m/><link name='b'/>"
+    )
+    root, called, notes = resolve(path, {"absent": "1"}, {})
+    places = {link.get("name"): mark_of(link) for link in root if link.tag == "link"}
+    text = path.read_text(encoding="utf-8")
+    for name in ("a", "b"):
+        mark = places[name]
+        assert mark is not None and mark.file == str(path)
+        assert text.splitlines()[mark.line - 1][mark.column - 1 :].startswith(f"<link name='{name}'")
+    assert called == ["m"] and len(notes) == 1
+
+
+def test_packages_of_a_workspace_are_found_by_their_manifests(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    folder = tmp_path / "src" / "repository" / "folder"
+    folder.mkdir(parents=True)
+    (folder / "package.xml").write_text("<package><name>parts</name></package>", encoding="utf-8")
+    (folder / "wheels.xacro").write_text(f"{HEAD}{pair()}</robot>", encoding="utf-8")
+    path = write(tmp_path, '<xacro:include filename="$(find parts)/wheels.xacro"/>')
+    assert wmrgen_cli("import", path).code == 2
+    assert wmrgen_cli("import", path, "--workspace", tmp_path / "src").code == 0

@@ -22,6 +22,7 @@ from wmrgen.functions.registry import Reason, UnderivableError, function, underi
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.exact.poly import Poly, has_angles
 from wmrgen.geometry.layout.records import Geometry, Robot, T, Virtual, Wheel
+from wmrgen.geometry.notation import plain
 from wmrgen.geometry.ports import Role
 from wmrgen.geometry.symbolic import angle_of, expression
 
@@ -111,16 +112,23 @@ def _check_steerability(robot: Robot, mobility: Mobility, wheels: tuple[Virtual,
         return
     names = ", ".join(v.name for v in wheels)
     members = ", ".join(dict.fromkeys(name for v in wheels for name in v.wheels))
+    near = [axles for axles in robot.near if not axles.moves]
     if not need:
-        why = "the degree of steerability is 0: no steering angle can change while the wheels roll"
+        cause = plain(near[0].sentence(robot.tolerance)) if near else mobility.deciding.partition("\n")[0]
+        why = "the degree of steerability is 0, so no steering angle can change while the wheels roll. "
+        why += cause[:1].upper() + cause[1:]
+        instead = (
+            near[0].remedies if near else f"Correct the wheels, so that they can steer, or delete {names}."
+        )
     else:
         why = (
             f"the degree of steerability is {need}, so {len(wheels)} virtual angle{'s' if len(wheels) > 1 else ''} "
             "cannot determine the ICR: the Ackermann condition needs a fixed axle, on whose line the ICR is"
         )
+        instead = f"Name {need} virtual wheels, or steer the wheels one by one."
     raise UnderivableError(
-        f"{robot.name}: the virtual steering {names} of {members} violates the Ackermann condition: {why}.\n"
-        f"  {'Delete it.' if not need else f'Name {need} virtual wheels, or steer the wheels one by one.'}",
+        f"{robot.name}: the virtual steering {names} of {members} violates the Ackermann condition: "
+        f"{why.rstrip('.')}.\n  {instead}",
         Reason.ACKERMANN,
         wheels[0].mark,
     )

@@ -26,12 +26,14 @@ from wmrgen.geometry.layout.joints import (
     lag_of,
     limits_of,
     noise_of,
+    refuse_shared_joints,
     refuse_unmodelled,
     turn_ratios,
     weight_of,
 )
 from wmrgen.geometry.layout.measured import agreed, tolerance_of
 from wmrgen.geometry.layout.records import (
+    DEFAULT_FRAME,
     Geometry,
     Length,
     Parameter,
@@ -106,9 +108,11 @@ def build(spec: RobotSpec) -> Robot:
         name=spec.name, description=spec.description, source=spec.source, parameters=parameters,
         wheels=tuple(wheels), steer_group=steer_group, spin_group=spin_group,
         couplings=tuple((c.joint, c.wheels) for c in spec.couplings), notes=tuple(notes), slip=spec.slip,
-        precise=spec.precise, functions=tuple(f.name for f in spec.functions), **facts,
+        precise=spec.precise, functions=tuple(f.name for f in spec.functions),
+        frame=spec.frame or DEFAULT_FRAME, **facts,
     )  # fmt: skip
     refuse_unmodelled(spec, robot)
+    refuse_shared_joints(spec, robot)
     robot = common_limits(spec, robot)
     refuse_ambiguous(spec, robot)
     return robot
@@ -254,7 +258,7 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
         symbolic=symbolic, working=symbolic.mapped(lambda p: fix(p, scope.constants)), nominal=nominal,
         l=hypot(x, y), alpha=direction, beta=remainder(shown + pi / 2 - direction, 2 * pi),
         gamma=float(scope.number(gamma)), heading=shown,
-        actuated=w.actuated, sensed=w.sensed, ball=w.ball, **facts,
+        actuated=w.actuated, sensed=w.sensed, ball=w.ball, joints=dict(w.joints), **facts,
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from wmrgen.errors import ErrorCollector, NotDerivableError, RobotFileError
+from wmrgen.errors import Code, ErrorCollector, NotDerivableError, RobotFileError
 from wmrgen.geometry.exact.evaluate import parameters_in, substituted
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.layout.expressions import Scope
@@ -280,6 +280,31 @@ def refuse_unmodelled(spec: RobotSpec, robot: Robot) -> None:
                 f"Remove {offset[0].name}.spin from the coupling, or delete its offset_y and per_steer.",
                 coupling.mark,
             )
+
+
+def refuse_shared_joints(spec: RobotSpec, robot: Robot) -> None:
+    """Raise RobotFileError if two wheels name one joint of other tools that does not turn both of them alike."""
+    owners: dict[str, tuple[Wheel, str]] = {}
+    for written, wheel in zip(spec.wheels, robot.wheels, strict=True):
+        for joint, (name, _) in wheel.joints.items():
+            other, its_joint = owners.setdefault(name, (wheel, joint))
+            alike = its_joint == joint and _turn_alike(robot, joint, other, wheel)
+            if other is not wheel and not alike:  # a joint of SDF with two axes steers and spins one wheel
+                raise RobotFileError(
+                    f"{other.name}.{its_joint} and {wheel.name}.{joint} both have the joint {name}", written.mark,
+                    "Commands and measurements of this joint would belong to two joints.",
+                    f"Write another name, or couplings: if one joint turns both: [{{equal: [{other.name}.{joint}, "
+                    f"{wheel.name}.{joint}]}}].",
+                    Code.TWICE,
+                )  # fmt: skip
+
+
+def _turn_alike(robot: Robot, joint: str, a: Wheel, b: Wheel) -> bool:
+    """Return whether a coupling lets ``joint`` of both wheels turn as one joint of other tools does."""
+    names = a.joint_name(joint), b.joint_name(joint)
+    coupled = any(a in members and b in members for members in robot.together(joint, robot.wheels))
+    ratio = robot.turn_ratio(joint, b) / robot.turn_ratio(joint, a)
+    return coupled and names[0].name == names[1].name and ratio == Exact(names[0].sign * names[1].sign)
 
 
 def common_limits(spec: RobotSpec, robot: Robot) -> Robot:

@@ -18,10 +18,12 @@ from wmrgen.geometry.exact.evaluate import number, parameters_in
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.exact.poly import Poly
 from wmrgen.geometry.ports import GYRO, Reading
+from wmrgen.robotfile.records import JointName
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES, WheelType
 
 T = TypeVar("T", Poly, Exact)
 U = TypeVar("U", Poly, Exact)
+DEFAULT_FRAME = "base_link"  # the name of the robot frame in ROS (REP 105)
 _RATIOS = ("ch", "sh", "cg", "sg", "per_steer")  # the fields of `Geometry` that are not lengths
 
 
@@ -134,6 +136,7 @@ class Wheel:
     noise: Mapping[str, Noise] = field(default_factory=dict)
     encoders: Mapping[str, Encoder] = field(default_factory=dict)
     lag: Mapping[str, Exact] = field(default_factory=dict)  # joint -> time constant [s]
+    joints: Mapping[str, JointName] = field(default_factory=dict)  # joint -> its name in other tools
     steer_sign: int = 1  # steering angle for 1 rad of the leading wheel of its coupled set: 1 or -1
     ball: str = ""  # for a driven direction of a ball, the name of the ball in the robot file
 
@@ -175,6 +178,10 @@ class Wheel:
     def commands(self, joint: str) -> bool:
         """Return whether ``joint`` is commanded: it is actuated, or it is the steering of a steered wheel."""
         return joint in self.actuated or (joint == "steer" and self.kind.steers)
+
+    def joint_name(self, joint: str) -> JointName:
+        """Return what other tools call ``spin`` or ``steer``: the robot file's name, else ``<wheel>_<joint>``."""
+        return self.joints.get(joint) or JointName(f"{self.name}_{joint}")
 
 
 class Parameter(NamedTuple):
@@ -333,6 +340,7 @@ class Robot:
     # Joint -> time constant [s] of wheels without their own.
     lag: Mapping[str, Exact] = field(default_factory=dict)
     gyro: Gyro | None = None
+    frame: str = DEFAULT_FRAME  # the name of the robot frame in other tools
     tolerance: Tolerance = EXACT
     near: tuple[Near, ...] = ()  # axles that nearly coincide, within the tolerance or not
     needs: tuple[Need, ...] = ()  # conditions on tunable parameters, parts of a value before the whole

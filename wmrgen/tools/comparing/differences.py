@@ -1,4 +1,4 @@
-"""What two descriptions of one robot say differently, and what that does."""
+"""Differences between two files that describe the wheels of one robot."""
 
 from __future__ import annotations
 
@@ -16,19 +16,34 @@ from wmrgen.tools.comparing.record import JOINTS, SAME, Difference, Layout, Side
 PLACE, SIGN, ROLLERS, ORDER, MISSING, KIND, OFFSET, COUPLED = (f"WMR{n:03}" for n in range(44, 52))
 CODES = {"track": "WMR040", "wheelbase": "WMR041", "radius": "WMR042", "sum": "WMR043", "ring": "WMR043"}
 CODES["offset"] = OFFSET
-_TOLD = {"r": "radius", "heading": "heading", "gamma": "gamma"}  # of wheels that a file may not say
+_OPTIONAL = {"r": "radius", "heading": "heading", "gamma": "gamma"}  # values that a file may lack
 _TITLES = {"sum": "lx + ly", "ring": "distance from the centre", "offset": "offset along the axle"}
 
 
 def same(a: float, b: float, size: float = 0.0) -> bool:
-    """Equal within `SAME` of the larger, or of ``size`` where that is more."""
+    """Return whether two lengths are equal within `SAME`.
+
+    Args:
+        a: A length [m].
+        b: Another length [m].
+        size: A length whose share counts instead, if it is larger [m].
+    """
     return abs(a - b) <= SAME * max(abs(a), abs(b), size)
 
 
 def length(
     key: str, a: float, b: float, marks: tuple[Mark, ...], remark: str = "", wheel: str = ""
 ) -> Difference:
-    """A length that differs; ``remark``: how the second file calls it."""
+    """Return the difference of a length.
+
+    Args:
+        key: The length, as in `quantities.lengths`.
+        a: The length in the first file [m].
+        b: The length in the second file [m].
+        marks: Its places.
+        remark: The name of the length in the second file.
+        wheel: The wheel that has the length; "" for the whole robot.
+    """
     title = _TITLES.get(key, key.replace("_", " "))
     looks = ", twice that" if same(b, 2 * a) else ", half of that" if same(2 * b, a) else ""
     share = f" ({(b - a) / abs(a):+.1%}{looks})".replace("%", " %") if not same(a, 0, abs(b)) else ""
@@ -40,8 +55,10 @@ def length(
 
 
 def with_layout(a: Layout, b: Layout) -> tuple[list[Difference], Pairs, list[str], Silent]:
-    """What two files that describe wheels say differently, the wheels that move the robot as both have them, notes, and
-    what one of them alone says."""
+    """Return the differences of two files that describe wheels.
+
+    Also return the pairs of wheels that move the robot, notes, and the values that only one file has.
+    """
     every, *alone = matched(a.wheels, b.wheels)
     notes: list[str] = []
     differences: list[Difference] = []
@@ -52,7 +69,7 @@ def with_layout(a: Layout, b: Layout) -> tuple[list[Difference], Pairs, list[str
                 first, second = (w.type, None) if owner is a else (None, w.type)
                 differences.append(Difference(MISSING, "wheel", w.name, first, second, words, _marks(w)))
             else:
-                notes.append(f"{words}; it leaves every motion free")
+                notes.append(f"{words}; it constrains no motion")
     pairs = [(v, w) for v, w in every if parts([v])]
     if a.effective_track and b.effective_track:
         (old, old_mark), (new, new_mark) = a.effective_track, b.effective_track
@@ -71,21 +88,20 @@ def with_layout(a: Layout, b: Layout) -> tuple[list[Difference], Pairs, list[str
 
 
 def _silent(pairs: Pairs) -> Silent:
-    first, second = (
-        [
-            f"{_TOLD[key]} of {v.name}"
-            for v, w in one
-            if v.type == w.type
-            for key in _TOLD
-            if key in w.values.keys() - v.values.keys()
-        ]
-        for one in (pairs, [(w, v) for v, w in pairs])
-    )
-    return first, second
+    return _missing(pairs), _missing([(w, v) for v, w in pairs])
+
+
+def _missing(pairs: Pairs) -> list[str]:
+    """Return the values of wheels that the first of each pair lacks."""
+    result = []
+    for v, w in pairs:
+        missing = w.values.keys() - v.values.keys() if v.type == w.type else set()
+        result += [f"{words} of {v.name}" for key, words in _OPTIONAL.items() if key in missing]
+    return result
 
 
 def _marks(*wheels: Side, keys: Iterable[str] = ()) -> tuple[Mark, ...]:
-    """Where the last of the wheels says one of ``keys``, else the wheel; then the same of those before."""
+    """Return the places of one of ``keys`` of each wheel, or of the wheel, the last wheel first."""
     every = [w.marks.get(key) for w in reversed(wheels) for key in (*keys, "")]
     return tuple(dict.fromkeys(mark for mark in every if mark))
 
@@ -101,7 +117,7 @@ def _radii(pairs: Pairs) -> Iterator[Difference]:
 
 
 def _wheel(v: Side, w: Side) -> Iterator[Difference]:
-    """What differs of one wheel but its place and radius."""
+    """Yield the differences of one wheel, except its position and radius."""
     marks = _marks(v, w, keys=("heading", "beta", "gamma"))
     if v.type != w.type:
         yield Difference(KIND, "type", v.name, v.type, w.type, f"{v.name} is {v.type} -> {w.type}", marks)
@@ -110,31 +126,36 @@ def _wheel(v: Side, w: Side) -> Iterator[Difference]:
         p, q = v.values["heading"], w.values["heading"]
         apart = abs(math.remainder(q - p, 2 * math.pi))
         if apart > math.pi - SAME:
-            yield Difference(SIGN, "sign", v.name, p, q, f"{v.name}: its joint counts the other way", marks)
+            yield Difference(
+                SIGN, "sign", v.name, p, q, f"{v.name}: its joint counts in the other direction", marks
+            )
         elif apart > SAME:
             words = f"{v.name}: heading {math.degrees(p):.4g} deg -> {math.degrees(q):.4g} deg"
             yield Difference(SIGN, "heading", v.name, p, q, words, marks)
     if "gamma" in both:
         p, q = v.values["gamma"], w.values["gamma"]
         if abs(math.remainder(p - q, math.pi)) > SAME:
-            other = ": they lean the other way" if abs(math.remainder(p + q, math.pi)) <= SAME else ""
+            other = (
+                ": they lean in the other direction" if abs(math.remainder(p + q, math.pi)) <= SAME else ""
+            )
             words = f"{v.name}: rollers {math.degrees(p):.4g} deg -> {math.degrees(q):.4g} deg{other}"
             yield Difference(ROLLERS, "gamma", v.name, p, q, words, marks)
     yield from _contact(v, w)
 
 
 def _contact(v: Side, w: Side) -> Iterator[Difference]:
-    """Where the contact lies from the pivot: of castors that nothing drives only how far."""
+    """Yield the difference of the contact from the pivot; for castors without a motor, of its distance alone."""
     offsets = [cmath.rect(1, x.of("heading")) * complex(x.of("d"), x.of("offset_y")) for x in (v, w)]
     if not parts([v]):
         offsets = [complex(abs(offset)) for offset in offsets]
-    said = all({"d", "offset_y"} & x.values.keys() for x in (v, w)) and v.kind.turns
-    if said and abs(offsets[0] - offsets[1]) > SAME * max(map(abs, offsets)) + 1e-6:
+    known = all({"d", "offset_y"} & x.values.keys() for x in (v, w)) and v.kind.turns
+    if known and abs(offsets[0] - offsets[1]) > SAME * max(map(abs, offsets)) + 1e-6:
         words = f"{v.name}: contact from pivot {shown(offsets)}"
         yield _pointed(OFFSET, "contact", v.name, offsets, words, _marks(v, w, keys=("d", "offset_y")))
 
 
 def shown(points: Sequence[complex]) -> str:
+    """Return points [m] for a message, with arrows between them."""
     return " -> ".join(f"({z.real:.4g}, {z.imag:.4g}) m" for z in points)
 
 
@@ -149,7 +170,10 @@ def _pointed(
 
 
 def places(pairs: Pairs, along: complex) -> Iterator[Difference]:
-    """Track, wheelbase, the origin, and wheels that stand elsewhere than these make them; ``along``: forward."""
+    """Yield the differences of track, wheelbase and origin, and wheels that these do not explain.
+
+    ``along`` is the direction of driving.
+    """
     if not pairs:
         return
     turned = along.conjugate()
@@ -160,7 +184,7 @@ def places(pairs: Pairs, along: complex) -> Iterator[Difference]:
     if permuted := _permuted(a, b, near):
         for (v, w), (u, _) in zip(pairs, (pairs[i] for i in permuted), strict=True):
             if u is not v:
-                words = f"{v.name} stands where {u.name} is"
+                words = f"{v.name} is where {u.name} was"
                 yield Difference(PLACE, "place", v.name, v.name, u.name, words, _marks(v, w, keys="xy"))
         return
     where = roles([v for v, _ in pairs])
@@ -180,12 +204,12 @@ def places(pairs: Pairs, along: complex) -> Iterator[Difference]:
             yield _pointed(PLACE, "place", v.name, points, f"{v.name}: place {shown(points)}", marks)
     if any(_shifted(a, b, other - middle, part, near) for part in ("real", "imag")):
         points = (along * middle, along * other)
-        words = f"origin: the middle of the wheels lies at {shown(points)}"
+        words = f"origin: the middle of the wheels is at {shown(points)}"
         yield _pointed(PLACE, "origin", "", points, words, _marks(*pairs[0], keys=("x", "y", "l")))
 
 
 def _farthest(pairs: Pairs, a: Sequence[complex], b: Sequence[complex], along: str) -> tuple[Side, Side]:
-    """The first of the pairs whose wheel has moved farthest along x or y."""
+    """Return the pair whose wheel has moved farthest along x or y."""
     moved = [abs((q - p).real if along == "x" else (q - p).imag) for p, q in zip(a, b, strict=True)]
     return pairs[moved.index(max(moved))]
 
@@ -198,25 +222,28 @@ def _shifted(a: Sequence[complex], b: Sequence[complex], shift: complex, part: s
 
 
 def _permuted(a: Sequence[complex], b: Sequence[complex], near: float) -> list[int]:
-    """Where wheels have changed places: for each of ``b`` the one of ``a`` that stands there; else nothing."""
+    """Return, for each of ``b``, the wheel of ``a`` at its position, if wheels have changed places; else nothing."""
     indices = [min(range(len(a)), key=lambda i: abs(a[i] - q)) for q in b]
     close = all(abs(a[i] - q) <= near for i, q in zip(indices, b, strict=True))
     return indices if close and indices != sorted(indices) and len(set(indices)) == len(a) else []
 
 
 def _sizes(pairs: Pairs, where: Sequence[str], along: complex) -> Iterator[tuple[str, float, float]]:
-    """Of wheels in a ring their distance, of others track and wheelbase, where both have them."""
+    """Yield the lengths that both have: the distance of wheels in a ring; track and wheelbase of others."""
+    own = [v for v, _ in pairs]
     moved = [replace(w, type=v.type, values={**v.values, **w.values}) for v, w in pairs]
-    first, second = (lengths(wheels, where, along) for wheels in ([v for v, _ in pairs], moved))
+    first, second = lengths(own, where, along), lengths(moved, where, along)
     for key in ("ring",) if "ring" in first else ("track", "wheelbase", "front_track", "rear_track"):
         if first.get(key) and key in second:
             yield key, first[key], second[key]
 
 
 def order(wheels: Sequence[Side], indices: Sequence[int]) -> Iterator[Difference]:
-    """``indices``: of ``wheels``, which are in the first file's order, as the second file has them."""
+    """Yield the difference of the order; ``indices`` are those of ``wheels`` in the order of the second file."""
     if list(indices) != sorted(indices):
-        first, second = (" ".join(wheels[i].name for i in each) for each in (sorted(indices), indices))
+        names = [w.name for w in wheels]
+        first = " ".join(names[i] for i in sorted(indices))
+        second = " ".join(names[i] for i in indices)
         yield Difference(ORDER, "order", "", first, second, f"order of wheels: {first} -> {second}")
 
 
@@ -224,35 +251,54 @@ def order(wheels: Sequence[Side], indices: Sequence[int]) -> Iterator[Difference
 
 
 def coupled(a: Layout, b: Layout, pairs: Sequence[tuple[Side, Side]]) -> Iterator[Difference]:
-    """Couplings that one file alone has, or in another ratio, of the wheels that both have."""
+    """Yield couplings that one file alone has, or in another ratio.
+
+    Args:
+        a: The first file.
+        b: The second file.
+        pairs: The wheels that both have.
+    """
     if a.ties is None or b.ties is None:
         return
     for joint in JOINTS:
-        own_ties, told_ties = ([tie for tie in ties if tie.joint == joint] for ties in (a.ties, b.ties))
-        own = [{v.name: t.turns[v.name] for v, _ in pairs if v.name in t.turns} for t in own_ties]
-        told = [
-            {v.name: t.turns[w.name] * _sense(v, w, joint) for v, w in pairs if w.name in t.turns}
-            for t in told_ties
-        ]
-        for wheels in dict.fromkeys(tuple(shaft) for shaft in (*own, *told) if len(shaft) > 1):
-            p, q = (next((_proportion(s) for s in side if tuple(s) == wheels), None) for side in (own, told))
+        own_ties = [tie for tie in a.ties if tie.joint == joint]
+        other_ties = [tie for tie in b.ties if tie.joint == joint]
+        own = [_shaft(tie, pairs, 0) for tie in own_ties]
+        others = [_shaft(tie, pairs, 1) for tie in other_ties]
+        for wheels in dict.fromkeys(tuple(shaft) for shaft in (*own, *others) if len(shaft) > 1):
+            p, q = _proportion_of(own, wheels), _proportion_of(others, wheels)
             if p == q:
                 continue
             joints = ", ".join(f"{name}.{joint}" for name in wheels)
             alone = f"together only by {(a if p else b).source}"
             words = f"{joints} turn {f'{p} -> {q}' if p and q else alone}"
             names = {w.name for v, w in pairs if v.name in wheels}
-            marks = (*_tie_marks(told_ties, names), *_tie_marks(own_ties, {*wheels}))
+            marks = (*_tie_marks(other_ties, names), *_tie_marks(own_ties, {*wheels}))
             yield Difference(COUPLED, "coupling", wheels[0], p, q, words, marks)
 
 
+def _shaft(tie: Tie, pairs: Sequence[tuple[Side, Side]], file: int) -> dict[str, float]:
+    """Return the turns of a shaft by the wheels' names in the first file; ``file`` 0 or 1 has the shaft."""
+    result = {}
+    for pair in pairs:
+        name = pair[file].name
+        if name in tie.turns:
+            result[pair[0].name] = tie.turns[name] * (_sense(*pair, tie.joint) if file else 1)
+    return result
+
+
+def _proportion_of(shafts: Sequence[Mapping[str, float]], wheels: tuple[str, ...]) -> str | None:
+    """Return the ratios of the shaft with these wheels; None if there is none."""
+    return next((_proportion(shaft) for shaft in shafts if tuple(shaft) == wheels), None)
+
+
 def _sense(v: Side, w: Side, joint: str) -> int:
-    """-1 where a spin of the second file counts the other way."""
+    """Return -1 if a spin of the second file counts in the other direction, else 1."""
     return -1 if joint == "spin" and math.cos(w.of("heading") - v.of("heading")) < 0 else 1
 
 
 def _proportion(turns: Mapping[str, float]) -> str:
-    """The ratio to the first, as far as it counts."""
+    """Return the ratios of turns to the first, with four digits."""
     first = next(iter(turns.values()))
     return " : ".join(f"{each / first:.4g}" for each in turns.values())
 

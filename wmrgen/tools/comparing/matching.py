@@ -1,4 +1,4 @@
-"""Which wheel of one description is which of another: by name, by what the names say of the place, by place."""
+"""Match the wheels of two descriptions: by name, by the position that the names say, by position."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Key = Callable[[Side], set[str]]
 
 
 def bare(name: str) -> str:
-    """What tells a wheel from others in its name or its joint's: ``left`` of ``wheel_left_joint``."""
+    """Return the part of a name that distinguishes a wheel: ``left`` of ``wheel_left_joint``."""
     return _FILLER.sub("", name.lower())
 
 
@@ -25,13 +25,16 @@ _KEYS: tuple[Key, ...] = (
 
 
 def matched(a: Sequence[Side], b: Sequence[Side]) -> tuple[list[tuple[Side, Side]], list[Side], list[Side]]:
-    """Pairs in the order of ``a``, and what is left of either. A key counts where it tells one wheel from all others;
-    what names do not tell is matched by place, nearest first."""
+    """Return the pairs in the order of ``a``, and the wheels of either that have no partner.
+
+    A key counts if it distinguishes a wheel from all others. The remaining wheels are matched by position, the nearest
+    first.
+    """
     partner: dict[int, int] = {}
     for key in _KEYS:
         for i, w in enumerate(a):
-            single = [j for j in range(len(b)) if j not in partner.values()]
-            candidates = [j for j in single if key(w) & key(b[j])]
+            free = [j for j in range(len(b)) if j not in partner.values()]
+            candidates = [j for j in free if key(w) & key(b[j])]
             rivals = [k for k in range(len(a)) if k not in partner and key(w) & key(a[k])]
             if i not in partner and len(candidates) == 1 and rivals == [i]:
                 partner[i] = candidates[0]

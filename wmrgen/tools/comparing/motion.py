@@ -1,15 +1,14 @@
-"""How a robot moves that is driven by the commands of another description of it.
+"""The motion of a robot that is driven by commands from another description of it.
 
-A twist is commanded; the second description makes joint rates and angles of it; the first robot's wheels turn so, and
-its twist is that of least squares over its rolling and sliding rows (those of `wmrgen.geometry.constraints`, in
-doubles).
+The second description turns a twist into joint rates and angles. With these, the twist of the first robot is the least
+squares solution of its rolling and sliding rows (those of `wmrgen.geometry.constraints`, in doubles).
 """
 
 from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,10 +18,9 @@ from wmrgen.tools.comparing.quantities import forward
 from wmrgen.tools.comparing.record import SAME, Effect, Side, Tie
 
 Array = NDArray[np.float64]
-Pairs = Sequence[tuple[Side, Side]]  # wheels of the first robot, each with what the second file says of it
-Coupled = tuple[Sequence[Side], Sequence[Tie]]  # wheels, and which of their joints turn together
-_SEEN = 5e-4  # of a motion: what changes less is not told
-# Curvature of the turn of a car, per its own size: there the angles of its wheels are in proportion.
+Pairs = Sequence[tuple[Side, Side]]  # wheels of the first robot, each as the second file has it
+_SEEN = 5e-4  # share of a motion: a smaller change is not reported
+# Curvature of the turn of a car times its size. So small that the angles of its wheels are in proportion to it.
 _GENTLE = 1e-4
 
 
@@ -36,19 +34,19 @@ class Command:
 
 
 def _along(w: Side, direction: complex) -> Array:
-    """The velocity of the pivot along a direction, per twist."""
+    """Return the row of the pivot's velocity along a direction, to be multiplied by a twist."""
     return np.array([direction.real, direction.imag, (w.pivot.conjugate() * direction).imag])
 
 
 def _rows(w: Side, steer: float) -> tuple[Array, Array]:
-    """The rolling and the sliding row at a joint angle, of the twist."""
+    """Return the rolling and the sliding row at a joint angle [rad], to be multiplied by a twist."""
     e = cmath.rect(1, w.of("heading") + steer)
     rolling = _along(w, e * cmath.rect(1, w.of("gamma"))) - [0, 0, w.of("offset_y")]
     return rolling, _along(w, 1j * e) + np.array([0, 0, w.of("d")])
 
 
-def _command(w: Side, twist: Array) -> Command:
-    """What a wheel is told for a twist (vx, vy, omega): at most a quarter turn; a castor has angle 0."""
+def command_of(w: Side, twist: Array) -> Command:
+    """Return the command of a wheel for a twist (vx, vy, omega), with at most a quarter turn; a castor has angle 0."""
     kind = w.kind
     steer = rate = 0.0
     if kind.steers:
@@ -63,7 +61,7 @@ def _command(w: Side, twist: Array) -> Command:
 
 
 def _together(commands: Sequence[Command], wheels: Sequence[Side], ties: Sequence[Tie]) -> Sequence[Command]:
-    """Commands of which coupled joints follow the one that has the motor."""
+    """Return the commands, those of coupled joints by the joint that has the motor."""
     result, names = list(commands), [w.name for w in wheels]
     for tie in ties:
         members = [(names.index(name), turns) for name, turns in tie.turns.items() if name in names]
@@ -79,8 +77,10 @@ def _together(commands: Sequence[Command], wheels: Sequence[Side], ties: Sequenc
 
 
 def _response(wheels: Sequence[Side], commands: Sequence[Command]) -> Array:
-    """The twist of least squares over all rows whose rates are known, then what is left of each row [m/s]. In a car,
-    whose wheels cannot follow speeds that contradict its angles, the angles decide."""
+    """Return the least squares twist over all rows whose rates are known, then the residual of each row [m/s].
+
+    In a car the steering angles decide, because its wheels cannot follow speeds that contradict them.
+    """
     rows, rates, weights = [], [], []
     firm = 1e4 if _is_car(wheels) else 1.0
     for w, c in zip(wheels, commands, strict=True):
@@ -104,52 +104,90 @@ def _is_car(wheels: Sequence[Side]) -> bool:
     return any(k.fixed_axle for k in kinds) and any(k.steers for k in kinds)
 
 
-def _ahead(wheels: Sequence[Side]) -> float:
-    """How far in front of P the fixed axle lies, along the direction of driving; 0 without one."""
+def ahead_of_origin(wheels: Sequence[Side]) -> float:
+    """Return the distance of the fixed axle ahead of P along the direction of driving [m]; 0 without one."""
     along = forward(wheels).conjugate()
     fixed = [(along * w.pivot).real for w in wheels if w.kind.fixed_axle]
     return math.fsum(fixed) / len(fixed) if fixed else 0.0
 
 
 def _asked(motion: str, wheels: Sequence[Side]) -> Array:
-    """The twist of unit speed, of its own fixed axle where a robot has one."""
+    """Return the twist of unit speed, for the fixed axle if a robot has one."""
     along = forward(wheels)
     if motion != "turn":
         direction = along * (1 if motion == "straight" else 1j)
         return np.array([direction.real, direction.imag, 0.0])
-    aside = -1j * along * _ahead(wheels)  # of P, while the axle does not move sideways
+    aside = -1j * along * ahead_of_origin(wheels)  # of P, while the axle does not move sideways
     return np.array([aside.real, aside.imag, 1.0])
 
 
-def effects(pairs: Pairs, own_ties: Sequence[Tie] = (), told_ties: Sequence[Tie] = ()) -> Iterator[Effect]:
-    """What each motion becomes that the robot can do, by its own couplings and those of the second file."""
-    own, told = [a for a, _ in pairs], [b for _, b in pairs]
+def effects(pairs: Pairs, own_ties: Sequence[Tie] = (), other_ties: Sequence[Tie] = ()) -> Iterator[Effect]:
+    """Yield the changes of each motion that the robot can do.
+
+    Args:
+        pairs: Wheels of the robot, each as the second file has it.
+        own_ties: The couplings of the robot.
+        other_ties: The couplings of the second file.
+    """
+    own, others = [a for a, _ in pairs], [b for _, b in pairs]
+
+    def commands(twist: Array) -> Sequence[Command]:
+        return _together([command_of(w, twist) for w in others], others, other_ties)
+
+    yield from effects_of(own, own_ties, commands, others)
+
+
+def effects_of(
+    own: Sequence[Side],
+    ties: Sequence[Tie],
+    commands: Callable[[Array], Sequence[Command]],
+    others: Sequence[Side],
+) -> Iterator[Effect]:
+    """Yield the changes of each motion that the robot can do.
+
+    Args:
+        own: The wheels of the robot.
+        ties: Its couplings.
+        commands: Twist of P -> commands of the wheels in their order.
+        others: The wheels as the source of the commands has them, which decide where its fixed axle is.
+    """
     size = max(abs(w.pivot - v.pivot) for w in own for v in own) or 1.0
-    robot = own, own_ties
+
+    def needed(twist: Array) -> Sequence[Command]:
+        return _together([command_of(w, twist) for w in own], own, ties)
+
     for motion in ("straight", "strafe", "turn"):
-        nominal, actual = (_driven(robot, each, motion, size) for each in (robot, (told, told_ties)))
+        nominal = _driven(own, ties, needed, _twists(motion, own, own, size))
+        actual = _driven(own, ties, commands, _twists(motion, own, others, size))
         effect = _effect(motion, nominal, actual, forward(own), size / 2)
         if effect:
             yield effect
 
 
-def _driven(robot: Coupled, by: Coupled, motion: str, size: float) -> Array:
-    """The response of a robot to what wheels like those of ``by`` are told for a motion; of a car, per curvature."""
-    (own, ties), (told, _) = robot, by
-
-    def response(twist: Array) -> Array:
-        commands = _together([_command(w, twist) for w in told], *by)
-        return _response(own, _together(commands, own, ties))
-
-    asked = _asked(motion, told)
+def _twists(
+    motion: str, own: Sequence[Side], others: Sequence[Side], size: float
+) -> list[tuple[Array, float]]:
+    """Return the twists of a motion with their weights: for the turn of a car, two gentle curves per curvature."""
+    asked = _asked(motion, others)
     if motion != "turn" or not _is_car(own):
-        return response(asked)
-    ahead, bend = _asked("straight", told), _GENTLE / size
-    return (response(ahead + bend * asked) - response(ahead - bend * asked)) / (2 * bend)
+        return [(asked, 1.0)]
+    ahead, bend = _asked("straight", others), _GENTLE / size
+    return [(ahead + bend * asked, 0.5 / bend), (ahead - bend * asked, -0.5 / bend)]
+
+
+def _driven(
+    own: Sequence[Side],
+    ties: Sequence[Tie],
+    commands: Callable[[Array], Sequence[Command]],
+    twists: Sequence[tuple[Array, float]],
+) -> Array:
+    """Return the weighted response of a robot to the commands for some twists."""
+    responses = [weight * _response(own, _together(commands(twist), own, ties)) for twist, weight in twists]
+    return np.asarray(sum(responses))
 
 
 def _effect(motion: str, nominal: Array, actual: Array, forward: complex, arm: float) -> Effect | None:
-    """The change from one's own motion to that by the other's commands; None where it is not one's own to do."""
+    """Return the change of a motion by the other's commands; None if the robot cannot do the motion itself."""
 
     def parts(twist: Array) -> dict[str, float]:
         along = forward.conjugate() * complex(*twist[:2])

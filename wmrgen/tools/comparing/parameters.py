@@ -1,4 +1,4 @@
-"""Parameters of a controller against a robot: what they say otherwise, and the robot's wheels as they have them."""
+"""The lengths of a controller against those of a robot, and the robot's wheels as the controller has them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from wmrgen.errors import Mark
 from wmrgen.robotfile.wheel_types import WheelType
@@ -27,10 +28,8 @@ _FITS: dict[str, Callable[[list[WheelType]], bool]] = {
     "swerve": lambda kinds: any(k.turns for k in kinds),
 }
 _FITS |= dict.fromkeys(("ackermann", "bicycle", "tricycle"), _FITS["swerve"])
-# Types whose controllers take every joint to count forward, every one that they name, or to turn the robot clockwise.
+# Types of other software whose controllers expect every joint to count forward.
 _FORWARD = re.compile("(diff|mecanum|skid)_?(steer_?)?drive", re.IGNORECASE)
-_NAMED_FORWARD = re.compile("(ackermann|bicycle|tricycle)_?(steering|controller)", re.IGNORECASE)
-_CLOCKWISE = re.compile("omni_?wheel_?drive_?controller", re.IGNORECASE)
 # A robot of each kind: type and place of its wheels.
 _SHAPES: dict[str, dict[str, tuple[complex, ...]]] = {
     "differential": {FIXED.name: (1j, -1j)},
@@ -44,7 +43,7 @@ _SHAPES: dict[str, dict[str, tuple[complex, ...]]] = {
 
 
 def standing(layout: Layout, other: Controller | None = None) -> Layout:
-    """A controller as a robot of its kind, with its lengths, and those of the ``other`` that it does not say."""
+    """Return a controller as a robot of its kind, with its lengths, and with those of ``other`` that it lacks."""
     c = layout.controller
     if c is None:
         return layout
@@ -57,15 +56,18 @@ def standing(layout: Layout, other: Controller | None = None) -> Layout:
 
 
 def _missing(c: Controller, other: Controller | None) -> dict[str, float]:
-    """Lengths of another controller that one does not say: none of places where one says some and one a sum of them."""
-    said = other.lengths if other else {}
+    """Return the lengths of another controller [m] that one lacks.
+
+    Only radii are returned if one has a sum of lengths, and the other has single ones.
+    """
+    known = other.lengths if other else {}
     radii = {key for key in LENGTHS if key.endswith("radius")}
-    sums = {"sum", "ring"} & {*c.lengths, *said} if c.lengths.keys() - radii else set()
-    return {key: worth(other, key, True) for key in said if other and (not sums or key in radii)}
+    sums = {"sum", "ring"} & {*c.lengths, *known} if c.lengths.keys() - radii else set()
+    return {key: worth(other, key, True) for key in known if other and (not sums or key in radii)}
 
 
 def _usual(kind: str, type_: str, at: complex) -> Side:
-    """A wheel of radius 1 at a place, which turns and has rollers as is usual."""
+    """Return a wheel of radius 1 at a position, with the usual heading and rollers of a kind of drive."""
     values = {"x": at.real, "y": at.imag, "r": 1.0, "heading": 0.0}
     if kind == "omni":
         values |= {"heading": cmath.phase(1j * at), "gamma": 0.0}
@@ -74,12 +76,21 @@ def _usual(kind: str, type_: str, at: complex) -> Side:
     return Side((f"wheel at {at:.3g}",), type_, values)
 
 
-def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, list[str], Silent]:
-    """What a controller says otherwise of a robot, the robot's wheels each as both have it, notes, and what one of them
-    alone says."""
+class WithController(NamedTuple):
+    """The lengths of a controller against those of a robot."""
+
+    differences: list[Difference]
+    pairs: Pairs  # the robot's wheels, each with what the controller has of it
+    notes: list[str]
+    silent: Silent
+    compared: bool  # they have a length or a place in common
+
+
+def with_controller(a: Layout, c: Controller) -> WithController:
+    """Return what a controller has otherwise than a robot."""
     wheels = parts(a.wheels)
     if not wheels:
-        return [], [], [], ([], [])
+        return WithController([], [], [], ([], []), False)
     kinds = [w.kind for w in wheels]
     where, along = roles(wheels), forward(wheels)
     skids = all(k.fixed_axle for k in kinds) and any("front" in word for word in where)
@@ -115,51 +126,59 @@ def with_controller(a: Layout, c: Controller) -> tuple[list[Difference], Pairs, 
     if c.kind == "omni" and a.ordered:
         differences += order(wheels, [i for j in c.joints for i, w in enumerate(wheels) if _is(w, j.joint)])
     factors = [f"{f.key} {float(f.value):g}" for f in c.multipliers.values() if skids and f.value != 1]
-    return (
-        differences,
-        pairs,
-        [f"{factor} corrects for skidding, and does not count" for factor in factors],
-        silent,
-    )
+    notes = [f"{factor} corrects for skidding, and does not count" for factor in factors]
+    placed = bool(of_wheels & c.places.keys())
+    named = any(_is(w, j.joint) for w in wheels for j in c.joints)
+    common = placed or any(key in sizes for key in c.lengths) or named
+    return WithController(differences, pairs, notes, silent, common)
 
 
 def _needed(c: Controller, sizes: Mapping[str, float]) -> list[str]:
-    """The lengths of a robot by which such a controller drives it, and which it does not say."""
+    """Return the lengths of a robot that a controller of its kind needs and lacks."""
     track = "ring" if "ring" in sizes else "track"
     needed = ["radius"] if c.kind in ("tricycle", "bicycle") else [track, "radius"]
     if c.kind and c.kind not in ("differential", "omni"):
         needed.append("wheelbase")
     placed = {"sum", "ring"} & c.lengths.keys() or c.places
-    told = {key.rpartition("_")[2] for key in c.lengths} | (
-        {"track", "ring", "wheelbase"} if placed else set()
-    )
+    known = {key.rpartition("_")[2] for key in c.lengths}
+    known |= {"track", "ring", "wheelbase"} if placed else set()
     return [
-        key.replace("ring", "distance from the centre") for key in needed if key in sizes and key not in told
+        key.replace("ring", "distance from the centre") for key in needed if key in sizes and key not in known
     ]
 
 
 def worth(c: Controller, key: str, multiplied: bool) -> float:
-    """A length of a controller [m], times its multiplier where that counts."""
+    """Return a length of a controller [m]. The sign of a multiplier is a direction of rolling and does not count.
+
+    Args:
+        c: The controller.
+        key: The length.
+        multiplied: Whether its multiplier counts.
+    """
     factor = c.multipliers.get(key) if multiplied else None
-    return float(c.lengths[key].value * (factor.value if factor else 1))
+    return float(c.lengths[key].value) * (abs(float(factor.value)) if factor else 1.0)
 
 
 def _as_meant(c: Controller, kinds: Iterable[WheelType], wheelbase: float) -> Controller:
-    """With the track under its name, which drivers of plain wheels call the wheel base, unless it is the ``wheelbase``;
-    and a radius for each side that has a multiplier of its own."""
-    said = dict(c.lengths)
-    plain = "track" not in said and "wheelbase" in said and all(k.fixed_axle for k in kinds)
-    if plain and not same(float(said["wheelbase"].value), wheelbase):
-        said["track"] = said.pop("wheelbase")
-    if "radius" in said:
-        said |= {key: said["radius"] for key in c.multipliers if key.endswith("_radius") and key not in said}
-    return replace(c, lengths=said)
+    """Return a controller with its track under that name, and a radius for each side with its own multiplier.
+
+    Drivers of plain wheels call the track a wheel base. It is one if it equals the robot's ``wheelbase`` [m].
+    """
+    known = dict(c.lengths)
+    plain = "track" not in known and "wheelbase" in known and all(k.fixed_axle for k in kinds)
+    if plain and not same(float(known["wheelbase"].value), wheelbase):
+        known["track"] = known.pop("wheelbase")
+    if "radius" in known:
+        known |= {
+            key: known["radius"] for key in c.multipliers if key.endswith("_radius") and key not in known
+        }
+    return replace(c, lengths=known)
 
 
 def _is(w: Side, joint: str) -> bool:
-    """The joint is one of the wheel's, but for a prefix, which may be an argument; or it has the wheel's name, to which
-    a robot file adds no joint: ``left`` and ``left_wheel_joint``."""
-    return any(own.endswith(joint) or bare(own) == bare(joint) != "" for own in w.names)
+    """Return whether a joint belongs to a wheel: by its name without a prefix, or by the part that distinguishes it."""
+    names = (*w.names, *(known.name for known in w.joints.values()))
+    return any(own.endswith(joint) or bare(own) == bare(joint) != "" for own in names)
 
 
 def _joints(a: Layout, c: Controller) -> Iterator[Difference]:
@@ -174,18 +193,18 @@ def _mark(named: Named) -> tuple[Mark, ...]:
 
 
 def _sides(c: Controller, wheels: Sequence[Side], where: Sequence[str]) -> Iterator[Difference]:
-    """Wheels that stand on the other side than the controller has them on; in front or behind where that matters."""
+    """Yield wheels that are not on the side where the controller expects them, or not at that end."""
     for w, word in zip(wheels, where, strict=True):
         named = next((j for j in c.joints if _is(w, j.joint)), None)
         if named and _mirror(c, named.role, word):
-            words = f"{w.name} stands {word}, the controller takes it {named.role}"
+            words = f"{w.name} is {word}, the controller expects it {named.role}"
             yield Difference(PLACE, "side", w.name, word, named.role, words, _mark(named))
 
 
-def _mirror(c: Controller, told: str, word: str) -> complex:
-    """Signs of x and y, as a complex number, by which a wheel at ``word`` comes to where it is told to be; else 0."""
-    ahead = {told.split(" ")[0], word.split(" ")[0]} == {"front", "rear"} and c.kind != "differential"
-    aside = {told.split(" ")[-1], word.split(" ")[-1]} == {"left", "right"}
+def _mirror(c: Controller, expected: str, word: str) -> complex:
+    """Return the signs of x and y that move a wheel from ``word`` to where it is expected; 0 if it is there."""
+    ahead = {expected.split(" ")[0], word.split(" ")[0]} == {"front", "rear"} and c.kind != "differential"
+    aside = {expected.split(" ")[-1], word.split(" ")[-1]} == {"left", "right"}
     return complex(-1 if ahead else 1, -1 if aside else 1) if ahead or aside else 0
 
 
@@ -193,13 +212,15 @@ def _signs(pairs: Pairs) -> Iterator[Difference]:
     for v, w in pairs:
         if "heading" in w.values:
             p, q = v.of("heading"), w.values["heading"]
-            words = f"{v.name}: its joint counts backward, the controller takes it to count forward"
+            words = f"{v.name}: its joint counts backward, the controller expects it to count forward"
             yield Difference(SIGN, "sign", v.name, p, q, words, tuple(v.marks.values()))
 
 
 def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> list[Side]:
-    """What a controller has of the wheels of a robot, in order: places at the lengths ``said`` about the middle of the
-    robot, which it takes to be symmetric, its fixed axle kept."""
+    """Return the wheels of a robot, in order, at the positions that the lengths ``said`` of a controller give.
+
+    The controller treats the robot as symmetric. Its fixed axle stays where it is.
+    """
     where, along = roles(wheels), forward(wheels)
     sizes = lengths(wheels, where, along)
     at = [along.conjugate() * w.pivot for w in wheels]
@@ -209,38 +230,36 @@ def _moved(c: Controller, wheels: Sequence[Side], said: Mapping[str, float]) -> 
     result = []
     for w, p, word in zip(wheels, at, where, strict=True):
         own = next((j for j in c.joints if _is(w, j.joint)), Named("", "", False))
-        told, off = own.role or word, p - origin
-        if signs := _mirror(c, told, word):
+        expected, off = own.role or word, p - origin
+        if signs := _mirror(c, expected, word):
             off = complex(off.real * signs.real, off.imag * signs.imag)
-        place = along * (origin + _displaced(off, told, said, sizes))
+        place = along * (origin + _displaced(off, expected, said, sizes))
         values, marks = {"x": place.real, "y": place.imag}, {}
         if signs and "gamma" in w.values:
             values["gamma"] = w.values["gamma"] * signs.real * signs.imag  # the rollers that are usual there
         if pivot := c.places.get(_placed(c, w, word)):
             values = {axis: float(s.value) for axis, s in zip("xy", pivot, strict=True)}
             marks = {axis: s.mark for axis, s in zip("xy", pivot, strict=True) if s.mark}
-        for key in (*(f"{side}_radius" for side in told.split()), "radius"):
+        for key in (*(f"{side}_radius" for side in expected.split()), "radius"):
             if key in said:
                 values.setdefault("r", said[key])
         if "offset" in said and w.kind.steers:
             outward = w.of("offset_y") or values["y"] * math.cos(w.of("heading"))
             values["offset_y"] = math.copysign(said["offset"], outward)
-        ahead = along * _positive(c, own, off)
+        ahead = along * _positive(c)
         if not w.kind.turns and (ahead.conjugate() * cmath.rect(1, w.of("heading"))).real < -0.9:
             values |= {"heading": cmath.phase(ahead)}
         result.append(replace(w, values=values, marks=marks))
     return result
 
 
-def _positive(c: Controller, named: Named, off: complex) -> complex:
-    """Which way a controller takes a wheel to roll at a positive rate; ``off``: from the centre. 0: it may know."""
-    if _FORWARD.search(c.type) or (named.joint and _NAMED_FORWARD.search(c.type)):
-        return 1
-    return -1j * off / abs(off) if off and _CLOCKWISE.search(c.type) else 0
+def _positive(c: Controller) -> int:
+    """Return the direction in which a controller expects a wheel to roll at a positive rate; 0 if it may know it."""
+    return 1 if _FORWARD.search(c.type) else 0
 
 
 def _placed(c: Controller, w: Side, word: str) -> str:
-    """Under which joint a controller has the place of a wheel, else under which end and side; "" where it has none."""
+    """Return the joint, or the end and side, for which a controller has the position of a wheel; "" if for none."""
     roles = {named.joint: named.role for named in c.joints}
     own = [k for k in c.places if _is(w, k)] or [
         k for k in c.places if word in (k, k.removeprefix("middle "), roles.get(k))
@@ -248,12 +267,12 @@ def _placed(c: Controller, w: Side, word: str) -> str:
     return own[0] if len(own) == 1 else ""
 
 
-def _displaced(p: complex, told: str, said: Mapping[str, float], sizes: Mapping[str, float]) -> complex:
-    """A pivot from the centre of the robot, by the lengths of a controller; ``told``: where the wheel is."""
-    end = told.split(" ")[0]
+def _displaced(p: complex, expected: str, said: Mapping[str, float], sizes: Mapping[str, float]) -> complex:
+    """Return a pivot from the centre of the robot by the lengths of a controller; ``expected`` is its position."""
+    end = expected.split(" ")[0]
     track = said.get(f"{end}_track", said.get("track"))
-    if track is not None and told.endswith(("left", "right")):
-        p = complex(p.real, track / 2 if told.endswith("left") else -track / 2)
+    if track is not None and expected.endswith(("left", "right")):
+        p = complex(p.real, track / 2 if expected.endswith("left") else -track / 2)
     if "wheelbase" in said and sizes.get("wheelbase"):
         p = complex(p.real * said["wheelbase"] / sizes["wheelbase"], p.imag)
     if "sum" in said and "sum" in sizes:

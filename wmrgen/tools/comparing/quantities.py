@@ -1,4 +1,4 @@
-"""Lengths of a robot as a whole, such as its track; and its wheels as the parameters of a controller have them."""
+"""Lengths of a robot as a whole, such as its track, and the positions of its wheels in words."""
 
 from __future__ import annotations
 
@@ -14,39 +14,41 @@ _BESIDE = 0.05  # of the robot's extent: what lies nearer the middle is neither 
 
 
 def parts(wheels: Iterable[Side]) -> list[Side]:
-    """The wheels that are driven or hold the robot to a direction."""
+    """Return the wheels that are driven or constrain the direction of motion."""
     return [w for w in wheels if w.drives or w.kind.constrains]
 
 
 def forward(wheels: Sequence[Side]) -> complex:
-    """The direction in which the wheels roll straight: x, unless all fixed ones roll along y or aslant."""
+    """Return the direction of driving straight: x, unless all fixed wheels roll along y or aslant."""
     fixed = [w for w in wheels if w.kind.fixed_axle]
     angle = math.remainder(fixed[0].of("heading"), math.pi) if fixed else 0.0
     return cmath.rect(1, angle if angle > -math.pi / 2 + 1e-6 else angle + math.pi)
 
 
 def as_driven(wheels: Sequence[Side], track: float) -> tuple[Side, ...]:
-    """Wheels, the fixed ones where they stand of the differential drive of that track as which a robot turns that
-    skids."""
+    """Return the wheels, the fixed ones at the positions of the differential drive that a robot that skids turns like.
+
+    ``track`` is the effective track [m].
+    """
     along = forward(wheels)
     fixed = [w for w in wheels if w.kind.fixed_axle]
     if not fixed:
         return tuple(wheels)
     own = sides([w.pivot for w in fixed], along)
-    places = placed([(w.of("x"), w.of("y")) for w in fixed], (along.real, along.imag), own, track)
-    moved = {id(w): {"x": x, "y": y} for w, (x, y) in zip(fixed, places, strict=True)}
+    positions = placed([(w.of("x"), w.of("y")) for w in fixed], (along.real, along.imag), own, track)
+    moved = {id(w): {"x": x, "y": y} for w, (x, y) in zip(fixed, positions, strict=True)}
     return tuple(replace(w, values={**w.values, **moved.get(id(w), {})}) for w in wheels)
 
 
 def box(points: Sequence[complex]) -> tuple[complex, complex]:
-    """The middle of the rectangle that points fill, and its size."""
+    """Return the middle of the rectangle that points fill, and its size."""
     xs, ys = [p.real for p in points], [p.imag for p in points]
     size = complex(max(xs) - min(xs), max(ys) - min(ys))
     return complex(min(xs), min(ys)) + size / 2, size
 
 
 def in_ring(wheels: Sequence[Side]) -> bool:
-    """All wheels have rollers, on axles that are not parallel."""
+    """Return whether all wheels have rollers, on axles that are not parallel."""
     first = wheels[0].of("heading")
     return all(w.kind.rollers for w in wheels) and any(
         abs(math.sin(w.of("heading") - first)) >= 0.1 for w in wheels
@@ -54,12 +56,12 @@ def in_ring(wheels: Sequence[Side]) -> bool:
 
 
 def centre(points: Sequence[complex], ring: bool) -> complex:
-    """The middle of places: of a ring their mean, else that of the rectangle that they fill."""
+    """Return the middle of positions: for a ring their mean, else the middle of the rectangle that they fill."""
     return sum(points) / len(points) if ring else box(points)[0]
 
 
 def roles(wheels: Sequence[Side]) -> list[str]:
-    """Where each wheel is, by its place: "front left", "rear", "left"."""
+    """Return the position of each wheel in words: "front left", "rear", "left"."""
     if not wheels:
         return []
     along = forward(wheels).conjugate()
@@ -77,9 +79,15 @@ def roles(wheels: Sequence[Side]) -> list[str]:
 
 
 def lengths(wheels: Sequence[Side], where: Sequence[str], along: complex) -> dict[str, float]:
-    """What the wheels have of `LENGTHS`, and "middle", from their places and radii; ``where``: their `roles`, ``along``
-    the `forward` of the robot. The track is that of its fixed wheels, where it has some, the radius that of its driven
-    ones."""
+    """Return the lengths of a robot [m] by the keys of `importing.controllers.LENGTHS`, as far as its wheels have them.
+
+    The track is that of the fixed wheels, if there are any. The radius is that of the driven wheels.
+
+    Args:
+        wheels: The wheels.
+        where: Their positions in words, from `roles`.
+        along: The direction of driving, from `forward`.
+    """
     at = [along.conjugate() * w.pivot for w in wheels]
     whole = range(len(wheels))
     driven = [i for i in whole if (joints := wheels[i].actuated) is None or "spin" in joints] or list(whole)
@@ -107,7 +115,8 @@ def lengths(wheels: Sequence[Side], where: Sequence[str], along: complex) -> dic
     if all(w.kind.rollers for w in wheels):
         ring = in_ring(wheels)
         middle = centre(at, ring)
-        reach = [abs(p) if ring else abs(p.real) + abs(p.imag) for p in (q - middle for q in at)]
+        off = [p - middle for p in at]
+        reach = [abs(p) if ring else abs(p.real) + abs(p.imag) for p in off]
         result["ring" if ring else "sum"] = mean(reach)
     offsets = [abs(w.values["offset_y"]) for w in wheels if "offset_y" in w.values and w.kind.steers]
     result["offset"] = mean(offsets) if offsets else None
@@ -115,5 +124,6 @@ def lengths(wheels: Sequence[Side], where: Sequence[str], along: complex) -> dic
 
 
 def mean(values: Iterable[float]) -> float:
+    """Return the mean of some numbers."""
     numbers = list(values)
     return math.fsum(numbers) / len(numbers)

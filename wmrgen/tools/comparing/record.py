@@ -1,4 +1,4 @@
-"""What is compared, how it differs, and what that does. Metres and radians in each file's own frame, all in doubles."""
+"""The records of a comparison: wheels of a file, differences, effects. Metres and radians in each file's own frame."""
 
 from __future__ import annotations
 
@@ -6,119 +6,124 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from wmrgen.errors import Mark
+from wmrgen.robotfile.records import JointName
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES, WheelType
+from wmrgen.tools.controllers.parameters import Terms
+from wmrgen.tools.controllers.record import ControllerType, Distro
 from wmrgen.tools.importing.records import Controller
 
 Value = float | str | tuple[float, float] | None
-Silent = tuple[list[str], list[str]]  # what the first file does not say, and the second, and the other does
+Silent = tuple[list[str], list[str]]  # values that the first file lacks, and those that the second file lacks
 # Forms of files.
 ROBOT_FILE, DESCRIPTION, HEADER, CONTROLLER = "robot file", "description", "header", "controller"
 JOINTS = ("spin", "steer")  # which couplings join
-SAME = 2e-3  # of a length, or rad: what differs less is equal
+SAME = 2e-3  # share of a length or of a rate, or rad: a smaller difference counts as equal
 
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """A wheel as one file has it. ``names``: its own and those of its joints. ``values``: x y heading r d offset_y
-    gamma, as far as the file says; ``marks``: where a value stands, "" the wheel. ``actuated`` is None where the file
-    does not say."""
+    """A wheel as one file has it."""
 
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # its own and those of its joints
     type: str
-    values: Mapping[str, float]
-    marks: Mapping[str, Mark] = field(default_factory=dict)
-    actuated: tuple[str, ...] | None = None
+    values: Mapping[str, float]  # x y heading r d offset_y gamma, as far as the file has them
+    marks: Mapping[str, Mark] = field(default_factory=dict)  # the places of the values, "" of the wheel
+    actuated: tuple[str, ...] | None = None  # None if the file does not show it
+    joints: Mapping[str, JointName] = field(
+        default_factory=dict
+    )  # spin and steer, as far as the file names them
 
     @property
     def name(self) -> str:
+        """Return the name of the wheel."""
         return self.names[0]
 
     @property
     def kind(self) -> WheelType:
-        """What the wheel's type says of it. A ball with a radius and a heading is driven along that heading."""
+        """Return the record of the wheel's type. A ball with a radius and a heading is driven along that heading."""
         kind = WHEEL_TYPES[self.type]
         return kind.powered if kind.powered and {"r", "heading"} <= self.values.keys() else kind
 
     @property
     def drives(self) -> bool:
-        """Its joints take commands, as far as is known; a castor only where the file says so."""
+        """Return whether a motor drives the wheel; if the file does not show it, castors have none, others have one."""
         kind = self.kind
         return bool(self.actuated) if self.actuated is not None else kind.has_spin and not kind.swivels
 
     @property
     def pivot(self) -> complex:
+        """Return the position of the pivot [m]."""
         return complex(self.values["x"], self.values["y"])
 
     def of(self, key: str) -> float:
-        """A value; 0 where the file does not say."""
+        """Return a value; 0 if the file lacks it."""
         return self.values.get(key, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Tie:
-    """All joints, spin or steer, of one shaft: wheel -> its ``turns`` for one of the first, which has the motor.
-    ``marks``: the couplings of a file that say so."""
+    """All joints of one shaft. The first wheel has the motor."""
 
-    joint: str
-    turns: Mapping[str, float]
-    marks: tuple[Mark, ...] = ()
+    joint: str  # spin or steer
+    turns: Mapping[str, float]  # wheel -> its turns for one turn of the first
+    marks: tuple[Mark, ...] = ()  # the couplings of the file
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The wheels that a file describes, or, with a ``controller``, lengths of wheels that another file describes.
-
-    ``effective_track``: that of the differential drive as which it turns, which skids [m], and where it is said.
-    ``ties``: couplings, None where the file does not say. ``title``: of the controller. ``ordered``: programs know the
-    wheels by their order. ``joints``: all that the file has, None where it names none.
-    """
+    """The wheels that a file describes; with a ``controller``, the lengths of wheels that another file describes."""
 
     file: str
     form: str
     wheels: tuple[Side, ...] = ()
-    ordered: bool = False
-    joints: frozenset[str] | None = None
+    ordered: bool = False  # programs know the wheels by their order
+    joints: frozenset[str] | None = None  # all joints of the file; None if it names none
     controller: Controller | None = None
-    title: str = ""
-    effective_track: tuple[float, Mark] | None = None
-    ties: tuple[Tie, ...] | None = None
+    title: str = ""  # of the controller
+    effective_track: tuple[float, Mark] | None = None  # of a robot that skids [m], and its place
+    ties: tuple[Tie, ...] | None = None  # couplings; None if the file does not show them
+    evaluable: tuple[ControllerType, Terms] | None = (
+        None  # the controller's record and what the file gives of it
+    )
+    distro: Distro | None = None  # whose names and formula the controller has
+    limits: Mapping[str, float] = field(default_factory=dict)  # of the twist, as "vx.high" [m/s, rad/s]
 
     @property
     def source(self) -> str:
+        """Return the file, and the controller in it."""
         return f"{self.file}: {self.title}" if self.title else self.file
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """``a`` and ``b``: metres, radians, words or a point. ``marks``: where it is said, of the second file first."""
+    """A value that the two files have otherwise."""
 
     code: str
     quantity: str
-    wheel: str
-    a: Value
-    b: Value
+    wheel: str  # "" for the whole robot
+    a: Value  # of the first file: metres, radians, words or a point
+    b: Value  # of the second file
     words: str
-    marks: tuple[Mark, ...] = ()
+    marks: tuple[Mark, ...] = ()  # its places, those of the second file first
 
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """What becomes of a motion (straight, strafe, turn) of the first robot when the second file's commands drive it:
-    ``ratio`` to the motion by its own commands; ``words`` are empty where nothing changes."""
+    """The change of a motion of the first robot if the second file's commands drive it."""
 
-    motion: str
-    ratio: float
-    words: str
+    motion: str  # straight, strafe or turn
+    ratio: float  # to the motion by its own commands
+    words: str  # "" if nothing changes
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Without the differences that a comment says to ignore. ``effects``: of the motions that the robot can do, none
-    where too little is known. ``unsaid``: what one file alone says."""
+    """The result of a comparison."""
 
     a: Layout
     b: Layout
-    differences: tuple[Difference, ...]
-    effects: tuple[Effect, ...]
+    differences: tuple[Difference, ...]  # without those that a comment says to ignore
+    effects: tuple[Effect, ...]  # on the motions that the robot can do; none if too little is known
     notes: tuple[str, ...]
-    unsaid: tuple[str, ...]
+    unsaid: tuple[str, ...]  # values that only one file has
+    compared: bool = True  # the two files have something in common

@@ -1,19 +1,20 @@
-"""Files of any form to layouts: robot files, URDF, xacro and SDF, parameters of controllers, generated headers."""
+"""Read files of any form as layouts: robot files, URDF, xacro and SDF, parameters of controllers, generated headers."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 
 import wmrgen
-from wmrgen.errors import Mark, RobotFileError
+from wmrgen.errors import ErrorCollector, Mark, RobotFileError
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.robotfile.numbers import NUMBER
-from wmrgen.robotfile.records import RobotSpec
-from wmrgen.robotfile.text import Source, printable, read_at_most
+from wmrgen.robotfile.reader import read_tree
+from wmrgen.robotfile.records import JointName, RobotSpec
+from wmrgen.robotfile.text import MAX_BYTES, Source, bytes_of, decode, printable, read_at_most
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES
 from wmrgen.tools.comparing.record import (
     CONTROLLER,
@@ -25,9 +26,22 @@ from wmrgen.tools.comparing.record import (
     Side,
     Tie,
 )
+from wmrgen.tools.controllers import controller_type
+from wmrgen.tools.controllers.parameters import (
+    NamedJoint,
+    ParameterSet,
+    Terms,
+    Written,
+    parameter_sets,
+    terms_of,
+)
+from wmrgen.tools.controllers.record import ControllerType, Distro
+from wmrgen.tools.exporting.drives import limits_of
 from wmrgen.tools.importing.controllers import read_controllers
-from wmrgen.tools.importing.records import Controller, Imported, Joint, Wheel
+from wmrgen.tools.importing.read import below, local, mark_of, parse_file
+from wmrgen.tools.importing.records import Controller, Description, Imported, Joint, Wheel
 from wmrgen.tools.importing.source import description_of, pairs
+from wmrgen.tools.importing.view import Robot as View
 from wmrgen.tools.importing.wheels import import_wheels
 
 _HEADER = re.compile(r"^#define (\w+)_WHEELS \d+", re.MULTILINE)
@@ -43,7 +57,13 @@ _LARGEST, _MOST = 8 * 1024 * 1024, 64  # bytes; wheels
 
 
 def of_robot(spec: RobotSpec, robot: Robot, source: str) -> Layout:
-    """The layout of a robot file."""
+    """Return the layout of a robot file.
+
+    Args:
+        spec: The robot as written.
+        robot: The robot.
+        source: The file.
+    """
     sides = []
     for written, w in zip(spec.wheels, robot.wheels, strict=True):
         g = w.nominal
@@ -60,10 +80,29 @@ def of_robot(spec: RobotSpec, robot: Robot, source: str) -> Layout:
         for key in ("x", "y", "r", "d", "offset_y", "heading", "gamma", "l", "alpha", "beta"):
             quantity = getattr(written, key)
             marks |= {key: quantity.mark} if quantity else {}
-        sides.append(Side((w.name,), w.type, values, marks, w.actuated))
+        joints = {joint: w.joint_name(joint) for joint in w.kind.joints}
+        sides.append(Side((w.name,), w.type, values, marks, w.actuated, joints))
     track, said = robot.effective_track, spec.effective_track
     effective = (float(track.nominal), said.mark) if track and said else None
-    return Layout(source, ROBOT_FILE, tuple(sides), True, effective_track=effective, ties=_ties(spec, robot))
+    return Layout(
+        source,
+        ROBOT_FILE,
+        tuple(sides),
+        True,
+        effective_track=effective,
+        ties=_ties(spec, robot),
+        limits=_twist_limits(robot),
+    )
+
+
+def _twist_limits(robot: Robot) -> dict[str, float]:
+    """Return the limits of the twist, its rates and the steering by the terms of controllers, such as "vx.high"."""
+    result = {name: value for name, value in limits_of(robot).items() if isinstance(value, float)}
+    steering = [limit for w in robot.wheels if w.kind.steers and (limit := robot.limit(w, "steer"))]
+    if steering:
+        result["steer.low"] = max(float(limit.low) for limit in steering)
+        result["steer.high"] = min(float(limit.high) for limit in steering)
+    return result
 
 
 def _ties(spec: RobotSpec, robot: Robot) -> tuple[Tie, ...]:
@@ -77,9 +116,26 @@ def _ties(spec: RobotSpec, robot: Robot) -> tuple[Tie, ...]:
     return tuple(tie for tie in ties if len(tie.turns) > 1)
 
 
-def of_import(robot: Imported, joints: Iterable[Joint], source: str) -> Layout:
-    """The layout of a URDF or SDF, as far as it says: of couplings nothing where one is in doubt. Its wheels stand
-    where their joints do."""
+def steering_signs(description: Description, base: str) -> dict[str, int]:
+    """Return the joints that turn about an upright axis with the sign of the axis: -1 if it points down."""
+    seen = View(description, base)
+    upright = [joint for joint in description.joints if seen.reaches(joint.child) and seen.upright(joint)]
+    return {joint.name: -1 if seen.axis(joint)[2] < 0 else 1 for joint in upright}
+
+
+def of_import(
+    robot: Imported, joints: Sequence[Joint], source: str, signs: Mapping[str, int] | None = None
+) -> Layout:
+    """Return the layout of a URDF or SDF, as far as the file has it.
+
+    It has no couplings if one is in doubt. Its wheels are where their joints are.
+
+    Args:
+        robot: What was imported.
+        joints: All joints of the file.
+        source: The file.
+        signs: Steering joint -> -1 if its axis points down.
+    """
     places = {joint.name: joint.mark for joint in joints}
     turns: dict[tuple[str, str], dict[str, float]] = {}
     for each in robot.couplings:
@@ -87,21 +143,24 @@ def of_import(robot: Imported, joints: Iterable[Joint], source: str) -> Layout:
         turns.setdefault((first, joint), {first: 1.0})[second] = float(each.ratio)
     doubted = any(q.key == "equal" for q in robot.questions)
     ties = None if doubted else tuple(Tie(joint, shaft) for (_, joint), shaft in turns.items())
-    sides = tuple(_imported(w, places) for w in robot.wheels)
+    sides = tuple(_imported(w, places, signs or {}) for w in robot.wheels)
     return Layout(source, DESCRIPTION, sides, joints=frozenset(places), ties=ties)
 
 
-def _imported(wheel: Wheel, places: Mapping[str, Mark | None]) -> Side:
+def _imported(wheel: Wheel, places: Mapping[str, Mark | None], signs: Mapping[str, int]) -> Side:
     keys = ("x", "y", "heading", "r", "d", "offset_y", "gamma")
     values = {key: float(value) for key in keys if (value := getattr(wheel, key)) is not None}
     names = (wheel.name, *filter(None, (wheel.joint, wheel.steer_joint)))
     mark = next(filter(None, map(places.get, names[1:])), None)
     marks = {"": mark} if mark else {}
-    return Side(names, wheel.type, values, marks, wheel.actuated)
+    joints = {"spin": JointName(wheel.joint)} if wheel.joint else {}
+    if wheel.steer_joint:
+        joints["steer"] = JointName(wheel.steer_joint, signs.get(wheel.steer_joint, 1) < 0)
+    return Side(names, wheel.type, values, marks, wheel.actuated, joints)
 
 
 def of_header(text: str, source: str) -> Layout:
-    """The layout of a header that `derive` wrote: lengths are its macros', the rest is said in its first comment."""
+    """Return the layout of a header that `derive` wrote, from its macros and its first comment."""
     prefix = _HEADER.search(text)
     lines = Source.of(text, source)
     macros = {m[1] + m[2]: m for m in _MACRO.finditer(text)}
@@ -109,10 +168,10 @@ def of_header(text: str, source: str) -> Layout:
     for match in islice(_WHEEL.finditer(text[: prefix.start() if prefix else 0]), _MOST + 1):
         name, kind, rest = match[1], match[2], match[3].replace("\n *  ", "")
         mark = lines.mark_at(text, match.start(1))
-        told = {
+        written = {
             k: math.radians(float(v)) if unit == "deg" else float(v) for k, v, unit in _VALUE.findall(rest)
         }
-        values = {"d": 0.0, "offset_y": 0.0, **told}
+        values = {"d": 0.0, "offset_y": 0.0, **written}
         marks = {"": mark}
         for word, key in _KEYS.items():
             macro = macros.get(f"{prefix[1] if prefix else ''}_{name.upper()}{word}")
@@ -120,7 +179,8 @@ def of_header(text: str, source: str) -> Layout:
                 values[key], marks[key] = float(macro[3]), lines.mark_at(text, macro.start(3))
         if kind in WHEEL_TYPES and {"x", "y"} <= values.keys():
             _refuse_what_nothing_has(values, marks)
-            sides.append(Side((name,), kind, values, marks))
+            joints = {part: JointName(f"{name}_{part}") for part in WHEEL_TYPES[kind].joints}
+            sides.append(Side((name,), kind, values, marks, joints=joints))
     if not sides:
         raise RobotFileError(
             f"{source}: no header of wmrgen", None, "", "Give the .h that `wmrgen derive` wrote."
@@ -131,7 +191,7 @@ def of_header(text: str, source: str) -> Layout:
 
 
 def _refuse_what_nothing_has(values: Mapping[str, float], marks: Mapping[str, Mark]) -> None:
-    """RobotFileError for numbers that `derive` cannot have written."""
+    """Raise RobotFileError for numbers that `derive` cannot have written."""
     for key, value in values.items():
         if not abs(value) < 1e9 or (key == "r" and value < 1e-9):
             mark = marks.get(key, marks[""])
@@ -140,56 +200,146 @@ def _refuse_what_nothing_has(values: Mapping[str, float], marks: Mapping[str, Ma
             )
 
 
-def of_controller(controller: Controller, source: str) -> Layout:
-    """The lengths that a controller has, without wheels yet."""
+def of_controller(
+    controller: Controller,
+    source: str,
+    given: ParameterSet | None = None,
+    distro: Distro | None = None,
+    limits: Mapping[str, Written] | None = None,
+) -> Layout:
+    """Return the layout of a controller, which has lengths and no wheels.
+
+    Args:
+        controller: Its lengths and joints.
+        source: The file.
+        given: All its parameters; None: only what ``controller`` has, as of a plugin.
+        distro: The release of ROS 2 whose names it has; None: those of all releases.
+        limits: The elements of a plugin, from which its limits are read.
+    """
     title = " ".join(filter(None, (controller.name, f"({controller.type})" if controller.type else "")))
-    return Layout(source, CONTROLLER, controller=controller, title=title)
+    record = controller_type(given.type if given else controller.type)
+    evaluable = None
+    if record and (given or record.tag):
+        terms = (
+            terms_of(record, given, distro) if given else terms_of_plugin(record, controller, limits or {})
+        )
+        evaluable = record, terms
+    return Layout(source, CONTROLLER, controller=controller, title=title, evaluable=evaluable, distro=distro)
+
+
+def terms_of_plugin(record: ControllerType, controller: Controller, elements: Mapping[str, Written]) -> Terms:
+    """Return the terms that a drive plugin gives: its lengths, its joints by their positions, its limits.
+
+    Args:
+        record: The record of the plugin.
+        controller: What was read of it.
+        elements: Its elements by their names.
+    """
+    terms = {key: term for term, key in record.lengths.items()}
+    terms |= {"front_track": "steering_track"} if "steering_track" in record.lengths else {}
+    numbers = dict(record.defaults)
+    parameters = {}
+    for key, setting in controller.lengths.items():
+        if key in terms:
+            numbers[terms[key]] = float(setting.value)
+            parameters[terms[key]] = (setting.key, setting.mark)
+    for name, term in record.names.items():
+        number = elements[name].number if name in elements and "." in term else None
+        if number is not None:
+            numbers[term], parameters[term] = number, (name, elements[name].mark)
+    joints: dict[str, tuple[NamedJoint, ...]] = {}
+    for named in controller.joints:
+        for term, (place, *_) in record.places.items():
+            words = named.role.split()
+            same_kind = named.steers == (term in record.steering)
+            if same_kind and words and set(place.split()) - {"fixed", "steered"} <= set(words):
+                joints[term] = (*joints.get(term, ()), NamedJoint(named.joint, named.mark))
+    return Terms(numbers, joints, parameters, complete=False)
 
 
 def layouts(
-    path: Path, arguments: Sequence[str] = (), packages: Sequence[str] = (), base: str | None = None
+    path: Path,
+    arguments: Sequence[str] = (),
+    packages: Sequence[str] = (),
+    base: str | None = None,
+    distro: Distro | None = None,
 ) -> list[Layout]:
-    """What a file describes: one layout of a robot file or header; that of a description and, after it, those of its
-    drive plugins; those of a parameter file. RobotFileError as `wmrgen.load` for a file that is none of these."""
-    result = list(_layouts(path, arguments, packages, base))
+    """Return what a file describes.
+
+    Args:
+        path: A robot file, header, description, or parameters of controllers.
+        arguments: ``NAME:=VALUE`` of xacro and of ``$(arg NAME)``.
+        packages: ``NAME=DIR`` of packages that a description names.
+        base: The link that is the robot's frame.
+        distro: The release of ROS 2 of the controllers; None: names of all releases are read.
+
+    Returns:
+        One layout of a robot file or header; that of a description and, after it, those of its drive plugins; those of
+        a parameter file.
+
+    Raises:
+        RobotFileError: The file is none of these.
+    """
+    result = list(_layouts(path, arguments, packages, base, distro))
     if any(len(layout.wheels) > _MOST for layout in result):
         raise RobotFileError(f"{printable(str(path))}: more than {_MOST} wheels")
     return result
 
 
-def _refuse_without_values(text: str, values: Mapping[str, str], name: str, told: bool) -> None:
-    """RobotFileError for parameters of which nothing is ``told`` but ``$(arg …)`` that nobody gave."""
+def _plugin_elements(path: Path) -> dict[str, dict[str, Written]]:
+    """Return the elements of each plugin that a URDF or SDF has itself, by the plugin's name; none of its macros."""
+    result: dict[str, dict[str, Written]] = {}
+    for plugin in below(parse_file(path), "plugin"):
+        elements = {local(e): Written(tuple((e.text or "").split()), (mark_of(e),)) for e in plugin}
+        result.setdefault(plugin.get("name") or "", elements)
+    return result
+
+
+def _refuse_without_values(text: str, values: Mapping[str, str], name: str, has_values: bool) -> None:
+    """Raise RobotFileError for parameters without values, if the file has ``$(arg …)`` that were not given."""
     open_ = [word for word in dict.fromkeys(_ARGUMENT.findall(text)) if word not in values]
-    if open_ and not told:
+    if open_ and not has_values:
         raise RobotFileError(
             f"{name}: no length of a wheel controller has a value",
             None,
-            "$(arg …) stands for what a launch file gives.",
-            f"Give them behind the files: {printable(' '.join(f'{word}:=VALUE' for word in open_))[:300]}.",
+            "A launch file gives the values of $(arg …).",
+            f"Write them after the files: {printable(' '.join(f'{word}:=VALUE' for word in open_))[:300]}.",
         )
 
 
 def _layouts(
-    path: Path, arguments: Sequence[str], packages: Sequence[str], base: str | None
+    path: Path,
+    arguments: Sequence[str],
+    packages: Sequence[str],
+    base: str | None,
+    distro: Distro | None,
 ) -> Iterator[Layout]:
     name = printable(str(path))
+    given: dict[tuple[str, str], ParameterSet] = {}
+    elements: dict[str, dict[str, Written]] = {}
     try:
         start = read_at_most(path, _LARGEST)
     except (OSError, ValueError):
-        start = b""  # of which `read` says why
+        start = b""  # `read` reports the reason
     whole = start.decode("utf-8", "replace")
     text = whole.lstrip("\ufeff \t\r\n")
     controllers: Sequence[Controller] = ()
     if text.startswith("<"):
         description = description_of(path, arguments, packages)
-        yield of_import(import_wheels(description, base), description.joints, name)
+        robot = import_wheels(description, base)
+        yield of_import(robot, description.joints, name, steering_signs(description, robot.base))
         controllers = description.controllers
+        elements = _plugin_elements(path) if controllers else {}
     elif _HEADER.search(text):
         yield of_header(text, name)
     else:
         if text and not re.search(r"^\s*['\"]?wmrgen['\"]?\s*:", text, re.MULTILINE):
             values = pairs(arguments)
             controllers = read_controllers(path, values)
+            tree = read_tree(
+                decode(bytes_of(path, MAX_BYTES + 1), name), name, ErrorCollector(), aliases=True
+            )
+            given = {(each.name, each.type): each for each in parameter_sets(tree, values)}
             _refuse_without_values(text, values, name, bool(controllers))
             if not controllers and ":" in text and not _WHEELS.search(text):
                 raise RobotFileError(
@@ -197,8 +347,9 @@ def _layouts(
                     None,
                     "It has no wheels:, as robot files have, and no length or type of a controller, as"
                     " wheel_separation.",
-                    "Give the file that says them.",
+                    "Give the file that has them.",
                 )
         if not controllers:
             yield of_robot(*wmrgen.read(path), name)
-    yield from (of_controller(c, name) for c in controllers)
+    for c in controllers:
+        yield of_controller(c, name, given.get((c.name, c.type)), distro, elements.get(c.name))

@@ -1,24 +1,25 @@
-"""Which of the drives that other software knows a robot is, and its sizes there.
+"""The kind of drive of a robot in other software, and its terms there.
 
-Other software has a formula for each drive, with few sizes; a robot is one of them only where that formula gives the
-wheel speeds of its own inverse kinematics. Castors and balls that nothing drives follow, and are passed over.
+Other software has a formula with few terms for each drive. A robot has a drive only if that formula gives the wheel
+speeds of its own inverse kinematics. Castors and balls without a motor are ignored.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import asin, atan2, cos, degrees, pi, sin, tan
+from typing import TypeVar
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.geometry.layout.skid import driven
 from wmrgen.robotfile.text import quoted
+from wmrgen.tools.controllers.mecanum import CORNERS
 from wmrgen.tools.exporting.bodies import joint_of
 
 TOLERANCE = 1e-6  # of the largest of what must be equal
-CORNERS = {"front_left": -1, "front_right": 1, "rear_left": 1, "rear_right": -1}  # tan of gamma at the ground
 SIDES = ("right", "left")
 KINDS = {  # fixed wheels, steered wheels, whether these drive
     (1, 1, False): "bicycle", (2, 1, False): "tricycle", (2, 2, False): "ackermann",
@@ -29,18 +30,24 @@ Term = float | tuple[str, ...] | NotDerivableError
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """A drive: its wheels as formulas order them, and its ``terms`` by name: a size [m, rad], joints, or why there is
-    none. ``backward``: wheels that roll the robot backward at a positive rate. ``notes``: where the formula ends."""
+    """A drive with the terms of its formula."""
 
     kind: str
-    wheels: tuple[Wheel, ...]
-    terms: Mapping[str, Term]
-    backward: frozenset[str] = frozenset()
-    notes: tuple[str, ...] = ()
+    wheels: tuple[Wheel, ...]  # in the order of the formula
+    terms: Mapping[str, Term]  # a size [m, rad], joints, or the reason why there is none
+    backward: frozenset[str] = frozenset()  # wheels that roll the robot backward at a positive rate
+    notes: tuple[str, ...] = ()  # on the limits of the formula
 
     def named(self, names: Mapping[str, str], more: Mapping[str, Term]) -> dict[str, float | tuple[str, ...]]:
-        """Name in other software -> value, of the terms of the drive and of ``more``; ``names`` says which each is,
-        those that there are not are left out. NotDerivableError where a term says why."""
+        """Return name in other software -> value of its term; names without a term are left out.
+
+        Args:
+            names: Name in other software -> term.
+            more: Terms in addition to those of the drive.
+
+        Raises:
+            NotDerivableError: A term has no value, with the reason.
+        """
         values, terms = {}, {**more, **self.terms}
         for name, key in names.items():
             term = terms.get(key)
@@ -53,20 +60,29 @@ class Drive:
 
 @contextmanager
 def refusing(what: str) -> Iterator[None]:
-    """NotDerivableError in these words, and why."""
+    """Raise NotDerivableError in these words, with the reason that the inner one has."""
     try:
         yield
     except NotDerivableError as error:
         raise NotDerivableError(f"{what}: {error.what}.") from None
 
 
-def drive_of(robot: Robot, kinds: Collection[str]) -> Drive:
-    """What drives a robot: differential, mecanum, omni, swerve, or one of `KINDS`. NotDerivableError where it is none
-    of these or not among the ``kinds``, and why."""
+Record = TypeVar("Record")
+
+
+def drive_with(robot: Robot, record_of: Callable[[str], Record | None]) -> tuple[Drive, Record]:
+    """Return the drive of a robot and the record that other software has for its kind.
+
+    Kinds are differential, mecanum, omni, swerve, and those of `KINDS`.
+
+    Raises:
+        NotDerivableError: The robot is none of these, or there is no record, with the reason.
+    """
     drive = _drive_of(driven(robot))
-    if drive.kind not in kinds:
+    record = record_of(drive.kind)
+    if record is None:
         raise NotDerivableError(f"there is none for {drive.kind} drives")
-    return drive
+    return drive, record
 
 
 def _drive_of(robot: Robot) -> Drive:
@@ -77,6 +93,8 @@ def _drive_of(robot: Robot) -> Drive:
     for joint in ("spin", "steer"):
         for group in robot.together(joint, [w for w in wheels if joint in w.kind.joints]):
             _none(group[1:], f"has its {joint} coupled to that of {quoted(group[0].name)}")
+    reversed_joints = [w for w in wheels if any(w.joint_name(joint).reversed for joint in w.actuated)]
+    _none(reversed_joints, "has a joint that turns the other way, and controllers reverse none")
     rolling = [w for w in wheels if w.kind.rolls_across]
     steered = [w for w in wheels if w.turns]
     fixed = [w for w in wheels if not w.turns and not w.kind.rolls_across]
@@ -92,14 +110,14 @@ def _drive_of(robot: Robot) -> Drive:
 
 
 def limits_of(robot: Robot) -> dict[str, Term]:
-    """Terms of the limits of the twist: ``vx.high``, ``vx_rate.low``, and in reverse ``vx_rate.-high``."""
+    """Return the terms of the limits of the twist: ``vx.high``, ``vx_rate.low``, and in reverse ``vx_rate.-high``."""
     named = {f"{n}.{end}": getattr(v, end) for n, v in robot.limits.items() for end in ("low", "high")}
     named |= {f"{n}.-{end}": -getattr(v, end) for n, v in robot.limits.items() for end in ("low", "high")}
     return {name: float(value) for name, value in named.items()}
 
 
 def _none(wheels: Sequence[Wheel], what: str) -> None:
-    """NotDerivableError where there are such wheels."""
+    """Raise NotDerivableError about the first of these wheels, if there is one."""
     if wheels:
         raise NotDerivableError(f"{quoted(wheels[0].name)} {what}")
 
@@ -110,7 +128,7 @@ def _same(values: Iterable[float], scale: float = 0.0) -> bool:
 
 
 def _common(values: Sequence[float], what: str) -> Term:
-    """Their value, or that they differ."""
+    """Return the value of equal numbers; an error if they differ."""
     shown = ", ".join(f"{v:.6g}" for v in values)
     return values[0] if _same(values) else NotDerivableError(f"{what} differ: {shown}")
 
@@ -132,39 +150,39 @@ def _spins(wheels: Iterable[Wheel]) -> tuple[str, ...]:
 
 
 def _backward(wheels: Sequence[Wheel]) -> frozenset[str]:
-    """The wheels that roll against x at a positive rate; all must roll along it."""
+    """Return the wheels that roll against x at a positive rate; raise an error for one that does not roll along x."""
     _none([w for w in wheels if abs(float(w.nominal.sh)) > TOLERANCE], "does not roll along x")
     return frozenset(w.name for w in wheels if w.nominal.ch.sign < 0)
 
 
 def _radius(wheels: Sequence[Wheel], backward: frozenset[str]) -> Term:
-    """The one radius of a formula that has no sign for each wheel."""
+    """Return the one radius of a formula that has no sign for each wheel."""
     if backward:
         return NotDerivableError(
-            f"{quoted(min(backward))} rolls backward at a positive rate, for which the formula has no sign. Turn its "
-            "joint round: heading 0, and the motor inverted"
+            f"{quoted(min(backward))} rolls backward at a positive rate, for which the formula has no sign. Reverse "
+            "its joint: heading 0, and the motor inverted"
         )
     return _common([_r(w) for w in wheels], "the radii")
 
 
 def _half_track(wheels: Sequence[Wheel]) -> float:
-    """The distance of P from wheels on both sides of it."""
+    """Return the distance of P from wheels on both sides of it [m]."""
     values = [abs(_y(w)) for w in wheels]
     if not _same(values) or not values[0]:
         shown = ", ".join(f"{_y(w):.6g}" for w in wheels)
-        raise NotDerivableError(f"its wheels do not stand at equal distances beside P: y = {shown}")
+        raise NotDerivableError(f"its wheels are not at equal distances beside P: y = {shown}")
     return values[0]
 
 
 def _of_axle(x: float) -> tuple[str, ...]:
-    """Formulas of drives with an axle are those of its middle."""
+    """Return a note for a drive whose formula is for the middle of its axle, not for P."""
     if abs(x) < TOLERANCE:
         return ()
     return (f"Twist and odometry are those of the middle of the axle, {x:.6g} m ahead of P.",)
 
 
 def _sides(wheels: Sequence[Wheel]) -> Drive:
-    """A wheel rolls at (vx - y omega)/r. Several on a side are skid steer."""
+    """Return a differential drive: a wheel rolls at (vx - y omega)/r. Several on a side are skid steer."""
     driven = [w for w in wheels if w.actuated]
     left, right = ([w for w in driven if sign * _y(w) > 0] for sign in (1, -1))
     if not left or len(left) != len(right):
@@ -184,7 +202,7 @@ def _sides(wheels: Sequence[Wheel]) -> Drive:
 
 
 def _mecanum(wheels: Sequence[Wheel]) -> Drive:
-    """A wheel rolls at (vx + t vy + (t x - y) omega)/r with t = tan(gamma), which every text has at -1 or 1."""
+    """Return a mecanum drive: a wheel rolls at (vx + t vy + (t x - y) omega)/r with t = tan(gamma) = -1 or 1."""
     middle = [sum(map(of, wheels)) / len(wheels) for of in (_x, _y)]
     at = {(_x(w) > middle[0], _y(w) > middle[1]): w for w in wheels}
     if len(wheels) != 4 or len(at) != 4:
@@ -212,7 +230,7 @@ def _mecanum(wheels: Sequence[Wheel]) -> Drive:
 
 
 def _ring(wheels: Sequence[Wheel]) -> Drive:
-    """The wheel at the angle a rolls at (sin(a) vx - cos(a) vy - R omega)/r, the angles equally spaced."""
+    """Return an omni drive: the wheel at the angle a rolls at (sin(a) vx - cos(a) vy - R omega)/r, equally spaced."""
     headings = [atan2(float(w.nominal.sh), float(w.nominal.ch)) for w in wheels]
     distances = [_y(w) * cos(h) - _x(w) * sin(h) for w, h in zip(wheels, headings, strict=True)]
     angles = [(h + pi / 2 + TOLERANCE) % (2 * pi) - TOLERANCE for h in headings]
@@ -226,8 +244,8 @@ def _ring(wheels: Sequence[Wheel]) -> Drive:
     distance = _common(distances, "distances of the wheels from P, positive where they turn it clockwise,")
     if isinstance(distance, float) and distance <= 0:
         distance = NotDerivableError(
-            "its wheels turn it counter-clockwise at positive rates, the formula's clockwise. Turn their joints "
-            "round: headings by pi, and the motors inverted"
+            "its wheels turn it counter-clockwise at positive rates, the formula's clockwise. Reverse their "
+            "joints: headings by pi, and the motors inverted"
         )
     terms: dict[str, Term] = {"ring": _spins(wheels[k] for k in order), "offset": first}
     terms |= {"distance": distance, "radius": _common([_r(w) for w in wheels], "the radii")}
@@ -236,16 +254,14 @@ def _ring(wheels: Sequence[Wheel]) -> Drive:
 
 def _swerve(wheels: Sequence[Wheel]) -> Drive:
     _none([w for w in wheels if "spin" not in w.actuated], "is not driven")
-    _none(
-        [w for w in wheels if w.nominal.o], "stands beside its steering axis (offset_y), which no formula has"
-    )
+    _none([w for w in wheels if w.nominal.o], "is beside its steering axis (offset_y), which no formula has")
     if len(wheels) < 2:
         raise NotDerivableError("a swerve drive has two steered wheels or more")
     return Drive("swerve", tuple(wheels), {})
 
 
 def _car(robot: Robot, fixed: Sequence[Wheel], steered: Sequence[Wheel]) -> Drive:
-    """The wheel on the x axis steers by atan(wheelbase omega / vx); of two, each has its own way about the ICR."""
+    """Return a car: the wheel on the x axis steers by atan(wheelbase omega / vx), two wheels about the same ICR."""
     axle, front = ([float(w.nominal.x) for w in group] for group in (fixed, steered))
     base = front[0] - axle[0]
     if not _same(axle, abs(base)) or not _same(front, abs(base)) or base <= 0:
@@ -256,13 +272,11 @@ def _car(robot: Robot, fixed: Sequence[Wheel], steered: Sequence[Wheel]) -> Driv
         raise NotDerivableError(
             f"no formula has its {len(fixed)} fixed, {len(steered)} steered, {len(driven)} driven wheels"
         )
-    _none(
-        [w for w in driven if w.nominal.o], "stands beside its steering axis (offset_y), which no formula has"
-    )
+    _none([w for w in driven if w.nominal.o], "is beside its steering axis (offset_y), which no formula has")
     tracks = []
     for group in (fixed, steered):
         if len(group) == 1:
-            _none([w for w in group if abs(_y(w)) > TOLERANCE * base], "stands beside the x axis")
+            _none([w for w in group if abs(_y(w)) > TOLERANCE * base], "is not on the x axis")
         tracks.append(2 * _half_track(group) if len(group) > 1 else 0.0)
     limits = [v for w in steered if (v := robot.limit(w, "steer"))]
     joints = {  # the right one first

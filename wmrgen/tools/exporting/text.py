@@ -1,4 +1,4 @@
-"""What exports are written with: decimals, and what a file says of itself."""
+"""Decimals for exports, and the lines at the top of their files."""
 
 from __future__ import annotations
 
@@ -9,22 +9,23 @@ from wmrgen.geometry.layout.records import Robot
 
 
 def decimal(value: SupportsFloat) -> str:
-    """Fifteen significant digits, which the noise of floats does not reach; no negative zero."""
+    """Return a number with fifteen significant digits, which hide rounding errors; zero has no sign."""
     return f"{round(float(value), 15) + 0.0:.15g}"
 
 
 def decimals(*values: SupportsFloat) -> str:
+    """Return numbers with spaces between them."""
     return " ".join(map(decimal, values))
 
 
 def banner(robot: Robot) -> list[str]:
-    """The robot, its description in one line, its frame. No line has two hyphens, which end an XML comment."""
+    """Return lines about the robot and its file. No line has two hyphens, because they end an XML comment."""
     about = " ".join(robot.description.split())
     while "--" in about:
         about = about.replace("--", "- -")
     lines = [
         f"{robot.name}: {about}" if about else robot.name,
-        f"Written by wmrgen {__version__} from a robot file: write it anew rather than edit it.",
+        f"Written by wmrgen {__version__} from a robot file: write it again instead of editing it.",
     ]
     if robot.tunable:
         names = ", ".join(p.name for p in robot.tunable)

@@ -1,7 +1,7 @@
-"""URDF, as robot_state_publisher, RViz and Gazebo read it (https://wiki.ros.org/urdf/XML).
+"""Write URDF, as robot_state_publisher, RViz and Gazebo read it (https://wiki.ros.org/urdf/XML).
 
-What drives the robot stands in <transmission>, which URDF has for it; `wmrgen import` reads it. Friction stands in a
-<gazebo> tag, which Gazebo joins to a collision without a name of its own.
+Motors are <transmission> elements, which `wmrgen import` reads. Friction is in a <gazebo> element, which Gazebo assigns
+to the collision of the link.
 """
 
 from __future__ import annotations
@@ -15,8 +15,10 @@ _COMMANDS = {"spin": "velocity", "steer": "position"}
 
 
 def urdf(robot: Robot, control: bool = False) -> str:
-    """The description of a robot, with a <transmission> for each joint that has a motor; with ``control``, a
-    <ros2_control> of the joints that are driven or measured."""
+    """Return the description of a robot, with a <transmission> for each joint that has a motor.
+
+    With ``control`` it has a <ros2_control> of the joints that are driven or measured instead.
+    """
     links = bodies(robot)
     transmissions = [(b.joint, _INTERFACES[b.part]) for b in links if b.driven]
     used = [b for b in links if b.driven or b.part in (*b.wheel.sensed, *b.wheel.actuated)]

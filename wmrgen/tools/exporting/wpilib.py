@@ -1,7 +1,7 @@
-"""WPILib: constants and its kinematics in Java and in C++ (https://docs.wpilib.org, kinematics and odometry).
+"""Write constants and kinematics for WPILib in Java and in C++ (https://docs.wpilib.org, kinematics and odometry).
 
-Its speeds are in m/s along the robot's x, of swerve modules along the module: radii, joints that turn the other way and
-the direction of modules at steering angle 0 stand beside.
+Its speeds are in m/s along the robot's x, or along a swerve module. Radii, inverted joints and the directions of
+modules at steering angle 0 are constants of their own.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from textwrap import wrap
 from wmrgen.codegen.c.text import comment_text
 from wmrgen.codegen.render import render
 from wmrgen.geometry.layout.records import Robot
-from wmrgen.tools.exporting.drives import drive_of, refusing
+from wmrgen.tools.exporting.drives import drive_with, refusing
 from wmrgen.tools.exporting.text import banner, decimal
 
 _CLASSES = {"differential": "DifferentialDrive", "mecanum": "MecanumDrive", "swerve": "SwerveDrive"}
@@ -23,16 +23,16 @@ _YEARS = (
 
 
 def wpilib(robot: Robot) -> dict[str, str]:
-    """A Java class and a C++ header. NotDerivableError where WPILib has no kinematics of the robot, and why."""
+    """Return a Java class and a C++ header; raise NotDerivableError if WPILib has no kinematics of the robot."""
     with refusing(f"{robot.name}: no kinematics of WPILib fits"):
-        drive = drive_of(robot, _CLASSES)
+        drive, name = drive_with(robot, _CLASSES.get)
     swerve = drive.kind == "swerve"
     names = _constants([w.name for w in drive.wheels])
     tracks = [decimal(v) for v in drive.named({"": "separation"}, {}).values() if isinstance(v, float)]
     title = "".join(part[:1].upper() + part[1:] for part in robot.name.split("_")) + "Constants"
     context = {
         "about": [line for text in (*banner(robot), _YEARS, *drive.notes) for line in wrap(comment_text(text), 96)],
-        "robot": robot.name, "title": title, "kinematics": f"{_CLASSES[drive.kind]}Kinematics",
+        "robot": robot.name, "title": title, "kinematics": f"{name}Kinematics",
         "wheels": [(names[w.name], *map(decimal, (w.nominal.x, w.nominal.y, w.nominal.r))) for w in drive.wheels],
         "inverted": [] if swerve else [(n, str(w in drive.backward).lower()) for w, n in names.items()],
         "zeros": [(names[w.name], decimal(w.heading)) for w in drive.wheels] if swerve else [],
@@ -43,6 +43,6 @@ def wpilib(robot: Robot) -> dict[str, str]:
 
 
 def _constants(names: list[str]) -> dict[str, str]:
-    """Names of wheels as constants are called, FRONT_LEFT of frontLeft, unless two would be called alike."""
+    """Return the names of wheels as constants, FRONT_LEFT for frontLeft, unless two would be equal."""
     words = {name: re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).upper() for name in names}
     return words if len(set(words.values())) == len(names) else {name: name.upper() for name in names}

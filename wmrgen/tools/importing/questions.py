@@ -220,6 +220,28 @@ def other_height(robot: Robot, c: Candidate) -> Fraction | None:
     return height if near and abs(height / c.radius - 1) > CONFLICT else None
 
 
+def heights_noted(robot: Robot, seen: Sequence[Candidate], names: Sequence[str]) -> Iterator[str]:
+    """Yield a note for each height above the frame of the ground that contradicts the cylinders of wheels.
+
+    The frame of the ground of public descriptions is often not on the ground (neobotix_mp_400, pr2), so the cylinder is
+    used.
+
+    Args:
+        robot: The description.
+        seen: The joints of the wheels.
+        names: The names of the wheels.
+    """
+    wheels: dict[tuple[str, float, float], list[str]] = {}
+    for c, name in zip(seen, names, strict=True):
+        above = _height_above_ground(robot, c)
+        if above and c.shape and c.shape.cylinder and other_height(robot, c):
+            key = above[0], round(float(above[1]), DIGITS), float(c.radius)
+            wheels.setdefault(key, []).append(name)
+    for (ground, height, radius), own in wheels.items():
+        axles = f"{', '.join(own)}: the axle is {height:.6g} m above {ground}"
+        yield f"{axles}, and the cylinder has the radius {radius:.6g} m, which is used"
+
+
 def roller_reach(robot: Robot, c: Candidate) -> Fraction:
     """How far the rollers of a wheel reach from its axle, as they are drawn; 0 where they are not."""
     reaches = [Fraction(0)]

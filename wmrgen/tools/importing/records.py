@@ -112,13 +112,18 @@ class Description:
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What the file does not say; ``key`` is that of the robot file, ``hints`` are not taken. ``wheel`` may be
-    `SUPPORT`, which is none yet."""
+    """What the file does not say; ``hints`` are not taken."""
 
-    wheel: str
-    key: str
+    wheel: str  # its name, or `SUPPORT`, which is none yet
+    key: str  # of the robot file
     text: str
     hints: tuple[str, ...] = ()
+    also: tuple[str, ...] = ()  # the other wheels that have the same answer
+
+    @property
+    def wheels(self) -> tuple[str, ...]:
+        """All wheels that have this answer."""
+        return (self.wheel, *self.also)
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +144,14 @@ class Wheel:
     actuated: tuple[str, ...] | None
     steer_limits: tuple[Fraction, Fraction] | None
     remarks: dict[str, str]
+    steers_down: bool = False  # whether the axis of the steering joint points down
+
+    @property
+    def joints(self) -> dict[str, str]:
+        """The names of its joints in the description, as a robot file writes them under ``joints:``."""
+        sign = "-" if self.steers_down else ""
+        names = {"spin": self.joint, "steer": self.steer_joint and sign + self.steer_joint}
+        return {joint: name for joint, name in names.items() if name}
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,6 +182,7 @@ class Imported:
     couplings: tuple[Coupling, ...]
     notes: tuple[str, ...]
     effective_track: tuple[Fraction, str] | None = None
+    answers: Mapping[str, str] = field(default_factory=dict)  # WHEEL.KEY -> value, as YAML
 
 
 @dataclass(frozen=True, slots=True)

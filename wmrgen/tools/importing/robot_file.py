@@ -6,14 +6,15 @@ import itertools
 import math
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
 from wmrgen.errors import Mark, RobotFileError
 from wmrgen.geometry.layout.expressions import twelfths_of_pi
+from wmrgen.geometry.layout.records import DEFAULT_FRAME
 from wmrgen.robotfile.load import OPEN
-from wmrgen.robotfile.names import robot_name, wheel_name
+from wmrgen.robotfile.names import is_outer_name, robot_name, wheel_name
 from wmrgen.robotfile.text import Scalar, quoted
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES
 from wmrgen.tools.importing.records import DIGITS, MODEL, SUPPORT, Imported, Question, Wheel
@@ -21,6 +22,7 @@ from wmrgen.tools.importing.records import DIGITS, MODEL, SUPPORT, Imported, Que
 _SAME = 1e-9  # [rad]
 _WIDTH = 100
 _KINDS_OF_JOINT = re.compile("((?i:_(joint|link|wheel|spin|axle|hinge))|Joint|Link|Wheel|Spin|Axle|Hinge)+$")
+_UNQUOTED = re.compile("-?[A-Za-z0-9_./-]+")  # what YAML reads as it is in a mapping
 _MOST = 28  # characters, which leave room for a number
 
 
@@ -30,7 +32,8 @@ def as_json(robot: Imported) -> dict[str, Any]:
         "base": robot.base,
         "wheels": [_wheel_json(wheel) for wheel in robot.wheels],
         "questions": [
-            {"wheel": q.wheel, "key": q.key, "text": q.text, "hints": list(q.hints)} for q in robot.questions
+            {"wheel": q.wheel, "key": q.key, "text": q.text, "hints": list(q.hints), "also": list(q.also)}
+            for q in robot.questions
         ],
     }
 
@@ -54,13 +57,18 @@ def text(robot: Imported, source: str) -> str:
             "or delete the wheel that is none. wmrgen derive refuses the file until then."
         )
     lines += ["wmrgen: 1", f"name: {near_robot_name(robot.name)}"]
+    if robot.base not in (MODEL, DEFAULT_FRAME) and is_outer_name(robot.base):
+        lines.append(f"frame: {robot.base}")
     if robot.effective_track:
         track, said = robot.effective_track
         lines += _comment(f"It turns by skidding: {said}")
         lines.append(f"effective_track: {_length(track)}")
     lines.append("wheels:")
     for wheel in robot.wheels:
-        lines += _wheel(wheel, [q for q in robot.questions if q.wheel == wheel.name and q.key != "equal"])
+        own = {key: value for key, value in robot.answers.items() if key.startswith(f"{wheel.name}.")}
+        lines += _wheel(
+            wheel, own, [q for q in robot.questions if wheel.name in q.wheels and q.key != "equal"]
+        )
     lines += _support([q for q in robot.questions if q.wheel == SUPPORT])
     doubts = [q for q in robot.questions if q.key == "equal"]
     if robot.couplings or doubts:
@@ -77,17 +85,24 @@ def _comment(words: str, indent: str = "") -> list[str]:
     return textwrap.wrap(words, _WIDTH, initial_indent=f"{indent}# ", subsequent_indent=f"{indent}#   ")
 
 
-def _wheel(wheel: Wheel, questions: Sequence[Question]) -> Iterator[str]:
+def _wheel(wheel: Wheel, answers: Mapping[str, str], questions: Sequence[Question]) -> Iterator[str]:
+    """Yield the lines of a wheel; ``answers`` by WHEEL.KEY replace what the description says."""
     values = dict(_values(wheel))
+    values.update({key.partition(".")[2]: value for key, value in answers.items()})
     asked = {q.key for q in questions}
+    joints = _joints(wheel)
+    if joints and not ("type" in asked and wheel.actuated == ()):  # it may be a ball, which has no joints
+        values["joints"] = joints
     for key in asked - set(values):
         values[key] = OPEN
     for position, (key, value) in enumerate(values.items()):
         indent = "  - " if position == 0 else "    "
         for question in questions:
-            if question.key == key:
+            if question.key == key and question.wheel == wheel.name:
                 yield from _asked(question, "    ")
-        remark = wheel.remarks.get(key, "")
+            elif question.key == key:
+                yield from _comment(f"? the same answer as {question.wheel}.{key}", "    ")
+        remark = "answered" if f"{wheel.name}.{key}" in answers else wheel.remarks.get(key, "")
         shown = OPEN if key in asked else value
         yield f"{indent}{key}: {shown}" + (f"   # {remark}" if remark else "")
 
@@ -127,6 +142,16 @@ def _values(wheel: Wheel) -> Iterator[tuple[str, str]]:
         yield "actuated", f"[{', '.join(wheel.actuated)}]"
     if wheel.steer_limits:
         yield "limits", "{steer: [" + ", ".join(map(_length, wheel.steer_limits)) + "]}"
+
+
+def _joints(wheel: Wheel) -> str:
+    """Return the names of the wheel's joints as YAML; "" if all are as they would be without this key."""
+    entries = []
+    for joint, name in wheel.joints.items():
+        written = name if _UNQUOTED.fullmatch(name) else f"'{name}'"
+        if joint in WHEEL_TYPES[wheel.type].joints and is_outer_name(name.removeprefix("-")):
+            entries += [f"{joint}: {written}"] * (name != f"{wheel.name}_{joint}")
+    return "{" + ", ".join(entries) + "}" if entries else ""
 
 
 def _length(value: Fraction) -> str:

@@ -14,6 +14,9 @@ from wmrgen.tools.importing.view import EVEN, Candidate, Robot
 
 UNSAID = "not in the file"
 _SAYS_ROLLERS = re.compile("mecanum|omni", re.IGNORECASE)
+_MACRO_OF_ROLLERS = re.compile(
+    "mecanum|omni_?wheel", re.IGNORECASE
+)  # a macro omni_camera says nothing of wheels
 _MOVES_ANY_WAY = re.compile("planar_?move", re.IGNORECASE)  # simulators move cars and tracks so, too
 _MOST = 4  # wheels with rollers, where nothing but how they move says them
 
@@ -27,10 +30,15 @@ def angle(direction: Vector) -> float:
     return math.atan2(direction[1], direction[0])
 
 
+def says_rollers(macro: str) -> bool:
+    """Return whether the name of a xacro macro says that its wheels have rollers."""
+    return bool(_MACRO_OF_ROLLERS.search(macro))
+
+
 def rollers_said(robot: Robot, wheels: Sequence[Candidate]) -> str:
     """What says, of the whole robot, that its wheels have rollers; empty where nothing does."""
     steers = any(wheel.steer for wheel in wheels)
-    for word in (*robot.description.words, *(word for c in wheels for word in _called(robot, c))):
+    for word in (*robot.description.words, *(word for c in wheels for word in names_of(robot, c))):
         moved = _MOVES_ANY_WAY.search(word) and 2 < len(wheels) <= _MOST and not steers
         if moved or _SAYS_ROLLERS.search(word):
             return f"the file says {quoted(word)}"
@@ -42,8 +50,8 @@ def rollers_said(robot: Robot, wheels: Sequence[Candidate]) -> str:
     return _mirrored(robot, wheels)
 
 
-def _called(robot: Robot, c: Candidate) -> Iterator[str]:
-    """The names of a wheel's joint, links and meshes."""
+def names_of(robot: Robot, c: Candidate) -> Iterator[str]:
+    """Yield the names of a wheel's joint, links and meshes."""
     yield c.joint.name
     for link in (c.joint.child, *(joint.child for joint in robot.under(c.joint.child, rigid=True))):
         yield link

@@ -14,7 +14,9 @@ from wmrgen.tools.importing import meshes, sdf, urdf
 from wmrgen.tools.importing.controllers import plugin_controllers
 from wmrgen.tools.importing.read import below, children, local, mark_of, parse_file, refuse
 from wmrgen.tools.importing.records import Description
-from wmrgen.tools.importing.xacro import macros, resolve
+from wmrgen.tools.importing.rollers import says_rollers
+from wmrgen.tools.importing.xacro import macros
+from wmrgen.tools.importing.xacro_process import resolve
 
 _URDF = (
     "link joint material transmission gazebo ros2_control sensor plugin model world author version group default static"
@@ -63,7 +65,7 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     notes = [*unasked, *(f"<{tag}> is passed over: {_PREFIX}" for tag in strange), *description.notes]
     return replace(
         description,
-        words=(*description.words, *(macro for macro in dict.fromkeys(called) if "mecanum" in macro.lower())),
+        words=(*description.words, *(macro for macro in dict.fromkeys(called) if says_rollers(macro))),
         notes=tuple(notes),
         controllers=seen,
         file_of=lambda uri: _mesh(located(uri, file, folders)),
@@ -123,6 +125,19 @@ def _own_package(file: Path) -> dict[str, Path]:
             name = "" if title is None else (title.text or "").strip()
             return {folder.name: folder, name or folder.name: folder}
     return {}
+
+
+def packages_in(workspace: Path) -> dict[str, Path]:
+    """Return the folders of all ROS packages below a folder by the names in their package.xml.
+
+    The first in alphabetical order counts if several packages have one name.
+    """
+    found: dict[str, Path] = {}
+    for manifest in sorted(workspace.rglob("package.xml")):
+        title = next(below(parse_file(manifest), "name"), None)
+        name = "" if title is None else (title.text or "").strip()
+        found.setdefault(name or manifest.parent.name, manifest.parent)
+    return found
 
 
 def pairs(words: Sequence[str], sign: str = ":=") -> dict[str, str]:

@@ -67,9 +67,7 @@ def describe(root: Element, file: str) -> Description:
             mark=mark_of(root),
         )
     notes: list[str] = []
-    names = Counter(name_of(link, "link") for link in children(root, "link"))
-    notes += [f"link {quoted(name)}: several links have this name" for name, n in names.items() if n > 1]
-    links = tuple(names)
+    links = _link_names(root)
     if not links:
         raise refuse(f"{file}: has no link", "", "Give a file that describes a robot, not only parts of one.")
     joints, closing = _joints(root, set(links), notes)
@@ -88,6 +86,22 @@ def describe(root: Element, file: str) -> Description:
         pushing=pushing(below(root, "plugin")),
         masses=_masses(root),
     )
+
+
+def _link_names(root: Element) -> tuple[str, ...]:
+    """Return the names of all links; raise RobotFileError if two links have one name, as urdfdom does."""
+    names: dict[str, None] = {}
+    for link in children(root, "link"):
+        name = name_of(link, "link")
+        if name in names:
+            raise refuse(
+                f"several links are called {quoted(name)}",
+                "Joints could not be assigned to one of them. ROS rejects the file, too.",
+                "Give each link a name of its own.",
+                mark_of(link),
+            )
+        names[name] = None
+    return tuple(names)
 
 
 def _joints(root: Element, links: set[str], notes: list[str]) -> tuple[tuple[Joint, ...], tuple[Joint, ...]]:
@@ -126,6 +140,8 @@ def _joint(element: Element, notes: list[str]) -> Joint:
         with at(mimic):
             factor = number(mimic.get("multiplier", "1"), f"{what}: multiplier")
             follows = mimic.get("joint", ""), factor, number(mimic.get("offset", "0"), f"{what}: offset")
+    if kind == "revolute" and limits is not None and not any(limits):
+        notes.append(f"{what} is revolute with limits from 0 to 0, so it cannot turn; read as continuous")
     mark = mark_of(element)
     return Joint(name, kind, parent, below_it, where, along, limits, follows, mark=mark)
 

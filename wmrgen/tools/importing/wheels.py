@@ -12,6 +12,7 @@ from wmrgen.tools.importing.candidates import LEVEL, candidates
 from wmrgen.tools.importing.couplings import couplings
 from wmrgen.tools.importing.frames import ancestors, dot, plus
 from wmrgen.tools.importing.instructions import skid_track
+from wmrgen.tools.importing.kinds import Subject, types_asked
 from wmrgen.tools.importing.passed import with_gears
 from wmrgen.tools.importing.questions import (
     CONFLICT,
@@ -19,6 +20,7 @@ from wmrgen.tools.importing.questions import (
     axle_asked,
     ball_asked,
     doubt,
+    heights_noted,
     mesh_radius,
     other_height,
     planes_asked,
@@ -91,10 +93,12 @@ def import_wheels(description: Description, base: str | None, forward: str | Non
         *([] if forward else front_doubted(robot, result, wheels)),
         *doubts,
     ]
+    questions += types_asked(Subject(robot, result, wheels), questions)
     support = support_asked(robot, result, wheels, passed)
     if questions or any(question.hints for question in support):
         questions += support
     notes += [question.text for question in support if question not in questions]
+    notes += heights_noted(robot, wheels, names)
     above = sorted({j.name for c in wheels for j in c.via})
     notes += [f"joint {quoted(name)} moves above wheels and is taken at zero" for name in above]
     if forward not in (None, "x"):
@@ -124,7 +128,7 @@ def _wheel(
         x, y, _ = foot
         remarks["x"] = f"steering axis of joint {quoted(steer.name)}, wheel: {place}"
         if robot.axis(steer)[2] < 0:
-            remarks["type"] = f"joint {quoted(steer.name)} points down: its angle is -{name}.steer"
+            remarks["joints"] = f"{quoted(steer.name)} points down: its angle is -{name}.steer"
         if tilt > 1:
             questions.append(tilted(name, foot, tilt))
     actuated, stops = _actuated(robot, c), _steer_limits(robot, steer)
@@ -168,6 +172,7 @@ def _wheel(
         actuated,
         stops,
         remarks,
+        steer is not None and robot.axis(steer)[2] < 0,
     )
     return wheel, questions
 

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element
 
 from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError
@@ -27,7 +27,7 @@ from wmrgen.tools.importing.read import MAX_BYTES, Place, parse, parse_file, pla
 _UNPREFIXED = ("property", "macro", "include", "arg")
 _MOST_MISSING, _YAML_BYTES = 20, 1 << 16
 _UNKNOWN = "/package that is not known"  # the folder of those; what is only named need not be there
-_PLACE = "wmrgen.place"  # an attribute: by which its place is remembered
+PLACE = "wmrgen.place"  # an attribute: by which its place is remembered
 
 
 class _Trail:
@@ -37,7 +37,7 @@ class _Trail:
     def __init__(self) -> None:
         self.files: list[Element] = []
         self.at: list[Place | None] = []
-        self._places: dict[str, Place | None] = {}
+        self.places: dict[str, Place | None] = {}
 
     def parsed(self, parse: Callable[..., Any]) -> Callable[..., Any]:
         """A function that parses, with the places of its elements: as attributes, which outlive macros, but of those of
@@ -47,10 +47,10 @@ class _Trail:
             document = parse(*args)
             elements = document.getElementsByTagName("*")
             for node, element in zip(elements, placed(self.files.pop()), strict=True):
-                node.setUserData(_PLACE, element.place, self)
+                node.setUserData(PLACE, element.place, self)
                 if not node.tagName.startswith("xacro:"):
-                    node.setAttribute(_PLACE, str(len(self._places)))
-                    self._places[node.getAttribute(_PLACE)] = element.place
+                    node.setAttribute(PLACE, str(len(self.places)))
+                    self.places[node.getAttribute(PLACE)] = element.place
             return document
 
         return call
@@ -59,7 +59,7 @@ class _Trail:
         """A function that evaluates what is in an element."""
 
         def call(node: Any, *scopes: Any) -> Any:
-            self.at.append(node.getUserData(_PLACE))
+            self.at.append(node.getUserData(PLACE))
             result = walk(node, *scopes)
             self.at.pop()
             return result
@@ -70,7 +70,7 @@ class _Trail:
         """A function that does what an element of xacro says."""
 
         def call(node: Any, *args: Any) -> Any:
-            self.at[-1] = node.getUserData(_PLACE)
+            self.at[-1] = node.getUserData(PLACE)
             return work(node, *args)
 
         return call
@@ -78,11 +78,6 @@ class _Trail:
     def handle(self, _: int, key: str, place: Place | None, __: Any, copy: Any) -> None:
         """Copies of an element, as macros make them, have its place."""
         copy.setUserData(key, place, self)
-
-    def restore(self, root: Element) -> None:
-        """Give the elements that the package has made the places of those that they are made of."""
-        for element in placed(root):
-            element.place = self._places.get(element.attrib.pop(_PLACE, ""))
 
 
 class _Arguments(dict[str, str]):
@@ -101,11 +96,26 @@ class _Arguments(dict[str, str]):
         return super().__getitem__(name)
 
 
-def resolve(
-    file: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]
-) -> tuple[Element, list[str], list[str]]:
-    """The root of the URDF that a xacro file makes, its elements placed where the files have them, the names of the
-    macros that it calls, and notes. RobotFileError where it makes none, with the arguments that it lacks."""
+class Resolved(NamedTuple):
+    """What a xacro file makes."""
+
+    urdf: bytes  # its elements have the attribute PLACE
+    places: dict[str, Place | None]  # by that attribute: where a file has the element
+    called: list[str]  # the names of the macros that it calls
+    notes: list[str]
+
+
+def resolve_here(file: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]) -> Resolved:
+    """Resolve a xacro file in this process, without limits of memory and time: see `xacro_process.resolve`.
+
+    Args:
+        file: The file.
+        arguments: The values of its arguments by name.
+        packages: The folders of ROS packages by name.
+
+    Raises:
+        RobotFileError: The file makes no URDF; the error names the arguments that it lacks.
+    """
     try:
         import xacro
     except ImportError:
@@ -141,11 +151,9 @@ def resolve(
             "",
             f"Give them behind the file: {printable(words)}.",
         )
-    root = parse(document.toxml(encoding="utf-8"), printable(str(file)))
-    trail.restore(root)
     has = printable(", ".join(sorted(map(str, given.asked)))) or "none"
     notes = [f"the file has no argument {quoted(n)}; it has {has}" for n in values if n not in given.asked]
-    return root, called, notes
+    return Resolved(document.toxml(encoding="utf-8"), trail.places, called, notes)
 
 
 def macros(file: Path) -> list[str]:

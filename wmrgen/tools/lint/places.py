@@ -188,7 +188,8 @@ def origin(subject: Subject) -> Iterator[Finding]:
         yield Finding(subject.mark(subject.robot.wheels[0]), what, _ORIGIN)
     elif subject.mobility.rank_C1f.value == 1:
         w, most = fixed[0], max(abs(v.pivot) for v in fixed)
-        seen = [w.zero_heading.conjugate() * v.pivot for v in fixed]
+        ahead = w.zero_heading if w.zero_heading.real >= 0 else -w.zero_heading  # as seen in the robot frame
+        seen = [ahead.conjugate() * v.pivot for v in fixed]
         off, aside = seen[0].real, (max(p.imag for p in seen) + min(p.imag for p in seen)) / 2
         if abs(off) > _SAME * most:
             what = f"the axle of {w.name} is {abs(off):.4g} m {'in front of' if off > 0 else 'behind'} the origin P"

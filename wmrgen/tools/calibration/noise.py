@@ -46,6 +46,8 @@ class Noise:
 class Track:
     """One leg at its n complete reference poses: odometry beside the reference."""
 
+    log: int  # number of the log
+    t: Reals  # (n,) [s] on the clock of the reference
     place: Complexes  # (n,) [m] the tracked point by odometry
     heading: Reals  # (n,) [rad]
     seen: Complexes  # (n,) [m] by the reference
@@ -71,18 +73,21 @@ def tracks(fit: Fit) -> list[Track]:
     """Return the legs of all logs, with odometry by the fitted parameters."""
     result, problem, count = [], fit.problem, len(fit.problem.nominal)
     mount = complex(fit.state.shared[count], fit.state.shared[count + 1])
-    for log, legs, own in zip(problem.logs, problem.legs, fit.state.own, strict=True):
+    for index, log in enumerate(problem.logs):
+        legs, clock = problem.legs[index], fit.state.own[index][0]
         path = problem.increments.alone.path(log.columns, fit.state.shared[:count])
         total = distance(path)
         for first, last in legs:
             poses = log.poses.rows(log.poses.complete & (log.poses.t >= first) & (log.poses.t <= last))
             if len(poses.t) < 2:
                 continue
-            here = path.between(*steps_at(log.t, poses.t + own[0]))
+            here = path.between(*steps_at(log.t, poses.t + clock))
             place = here.position + np.exp(1j * here.heading) * mount
-            travelled = np.interp(poses.t + own[0], log.t, total)
+            travelled = np.interp(poses.t + clock, log.t, total)
             theta = poses.theta - fit.state.shared[count + 2]
-            result.append(Track(place, here.heading, poses.x + 1j * poses.y, theta, travelled))
+            result.append(
+                Track(index, poses.t, place, here.heading, poses.x + 1j * poses.y, theta, travelled)
+            )
     return result
 
 
@@ -185,7 +190,9 @@ def _gradient_covariance(fit: Fit, index: int, one: Rows, level: Noise, joints: 
             after[2] + np.cumsum(swing[::-1], axis=0)[::-1]
             - after[1] * place.real[:, None] + after[0] * place.imag[:, None]
         )  # fmt: skip
-        result += level.most_position_walk * (after[0].T @ (travel * after[0]) + after[1].T @ (travel * after[1]))
+        result += level.most_position_walk * (
+            after[0].T @ (travel * after[0]) + after[1].T @ (travel * after[1])
+        )
         result += level.most_heading_walk * (turned.T @ (travel * turned))
     if len(one.joints):
         weighted = one.joints_by / np.sqrt(1 + (one.joints / scale) ** 2)[:, None] / scale**2

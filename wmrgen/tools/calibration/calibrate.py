@@ -1,0 +1,338 @@
+"""From a robot and its logs to parameters: the fit, what it determines, and a verdict on logs that were left out.
+
+Steps. Read and thin every log. Try each possible number of turns. Fit short legs, which nominal odometry follows, then
+whole ones. Cut legs at slips. Leave undetermined clocks and directions nominal. Then leave logs out, fit the others, and
+compare odometry on the logs that were left out with nominal odometry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from wmrgen.analysis.kinematics.forward import disagreement
+from wmrgen.analysis.mobility.analyse import driving
+from wmrgen.derivation.facade import Derivation
+from wmrgen.errors import UsageError
+from wmrgen.geometry.layout.records import Robot
+from wmrgen.ir.calls import self_contained
+from wmrgen.ir.lower import lower
+from wmrgen.tools.calibration import estimator, noise, slips, start, turns
+from wmrgen.tools.calibration.errors import Errors, drawn, errors
+from wmrgen.tools.calibration.estimator import PRIOR, Fit
+from wmrgen.tools.calibration.logs import Log, check, thinned, unique_names
+from wmrgen.tools.calibration.model import MOUNT, Problem
+from wmrgen.tools.calibration.noise import Covariance, Noise
+from wmrgen.tools.calibration.observability import CLOCK, groups, split
+from wmrgen.tools.calibration.path import Increments, Reals
+from wmrgen.tools.calibration.reading import pairs, read
+from wmrgen.tools.calibration.slips import Slip
+from wmrgen.tools.calibration.turns import Hypothesis
+
+FOLDS = 5  # parts that logs are left out in, one after the other
+SHORT = 20.0  # [s] of a leg in the first fit: odometry with parameters 10 % off does not lose its way
+_ODDS = 100.0  # to one against a number of turns, above which it is not reported
+_ROUNDS = 3  # of cutting slips: a large one hides small ones
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """One unknown in SI units."""
+
+    value: float
+    sigma: float | None  # standard deviation; None: the logs do not determine it
+    nominal: float
+    observable: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """Another number of turns that the logs allow."""
+
+    turns: float  # in the rotation that is least certain
+    odds: float  # of the chosen number against this one
+    parameters: dict[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Errors of odometry from the first pose of each leg on, over the same poses of the same logs."""
+
+    nominal: Errors
+    held_out: Errors  # each log with parameters and mount from other logs
+    folds: int
+    blind: tuple[str, ...]  # what some folds do not determine
+
+    @property
+    def better(self) -> bool:
+        """Whether the parameters predict logs that they were not fitted to better than nominal ones."""
+        return self.held_out.total < self.nominal.total
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """The result."""
+
+    fit: Fit
+    parameters: dict[str, Estimate]
+    mount: dict[str, Estimate]
+    clocks: dict[str, Estimate]  # by log
+    unobservable: tuple[tuple[str, ...], ...]  # parameters that are determined only together, or not at all
+    covariance: Reals  # (P, P) of the parameters, in SI units
+    noise: Noise
+    slips: tuple[Slip, ...]
+    turns: float  # in the rotation that is least certain; nan where no number was in doubt
+    alternatives: tuple[Alternative, ...]
+    before: Errors
+    after: Errors
+    verdict: Verdict | None  # None: one log that is too short to be divided
+
+
+@dataclass(frozen=True, slots=True)
+class Determined:
+    """A fit, with its noise and what it determines."""
+
+    fit: Fit
+    noise: Noise
+    covariance: Covariance
+    open: Reals  # (S, k) directions that stay nominal
+    slips: tuple[Slip, ...] = ()
+
+
+def increments_of(derivation: Derivation) -> tuple[Increments, Reals]:
+    """Return what a robot's `forward` leaves to estimate, and the nominal values. UsageError if nothing is tunable."""
+    derivation = derivation.without_gyro  # logs have no column for it
+    robot = derivation.robot
+    if not robot.tunable:
+        raise UsageError(
+            f"{robot.name} has no tunable parameter, so there is nothing to calibrate. Write one as "
+            "radius: {value: 0.0975, tunable: true} under parameters, and use its name in the wheels"
+        )
+    forward = next(f for f in self_contained(derivation.module) if f.name == "forward")
+    rows = disagreement(driving(robot, derivation.mobility)[0])
+    increments = Increments.of(forward, None if rows is None else lower(rows))
+    nominal = {p.name: float(p.nominal) for p in robot.tunable}
+    return increments, np.array([nominal[name] for name in increments.parameters])
+
+
+def counts_per_turn(robot: Robot) -> dict[str, float]:
+    """Return counts per turn, negative where a counter runs down, of each ``<wheel>.spin`` that has an encoder."""
+    encoders = {f"{w.name}.spin": robot.encoder_of(w, "spin") for w in robot.wheels}
+    return {joint: float(encoder.turn) for joint, encoder in encoders.items() if encoder is not None}
+
+
+def calibrate(
+    derivation: Derivation, logs: Sequence[Path], references: Sequence[Path] = (), one_clock: bool = False
+) -> Calibration:
+    """Estimate a robot's parameters from log files.
+
+    Args:
+        derivation: The robot.
+        logs: CSV files of joint readings.
+        references: CSV files of reference poses; by default those beside the logs.
+        one_clock: Whether each log and its reference poses have the same clock.
+
+    Returns:
+        The calibration.
+    """
+    increments, nominal = increments_of(derivation)
+    counts = counts_per_turn(derivation.robot)
+    files = pairs(logs, references)
+    names = unique_names([log.stem for log, _ in files])
+    every = []
+    for name, (log, reference) in zip(names, files, strict=True):
+        one = replace(read(log, reference, increments.joints, counts), name=name)
+        every.append(thinned(one, increments, nominal))
+    return of_logs(derivation.robot, increments, nominal, every, one_clock)
+
+
+def of_logs(
+    robot: Robot, increments: Increments, nominal: Reals, logs: Iterable[Log], one_clock: bool = False
+) -> Calibration:
+    """Estimate a robot's parameters from thinned logs.
+
+    Args:
+        robot: The robot.
+        increments: Its odometry.
+        nominal: (P,) parameters.
+        logs: Thinned.
+        one_clock: Whether each log and its reference poses have the same clock.
+    """
+    every = tuple(map(check, logs))
+    problem = Problem(
+        increments, nominal, every, tuple(start.whole(log) for log in every),
+        free=np.eye(len(nominal) + MOUNT), clocks=(not one_clock,) * len(every),
+    )  # fmt: skip
+    tried = [(begun(replace(problem, logs=h.logs), h.shift), h) for h in turns.hypotheses(problem)]
+    least = min(fit.problem.scale for fit, _ in tried)
+    deviances = [_deviance(fit, least) for fit, _ in tried]
+    best, chosen = tried[int(np.argmin(deviances))]
+    found = settled(best)
+    alternatives = _alternatives(tried, deviances, chosen)
+    parameters, mount, clocks = _estimates(robot, found)
+    count = len(nominal)
+    spread = found.fit.problem.units[:count]
+    shared, origin = found.fit.state.shared, found.fit.problem.origin
+    offsets = [float(own[0]) for own in found.fit.state.own]
+    indices = range(len(every))
+    return Calibration(
+        found.fit, parameters, mount, clocks, _unobservable(robot, found),
+        found.covariance.shared[:count, :count] * spread * spread[:, None], found.noise, found.slips,
+        chosen.turns, alternatives,
+        errors([drawn(found.fit.problem, i, origin, offsets[i]) for i in indices]),
+        errors([drawn(found.fit.problem, i, shared, offsets[i]) for i in indices]),
+        verdict(found),
+    )  # fmt: skip
+
+
+def begun(problem: Problem, shift: Reals | None = None) -> Fit:
+    """Return the fit of whole legs, from short ones on.
+
+    Args:
+        problem: Logs with headings that count whole turns.
+        shift: (P,) units by which the parameters start off nominal.
+    """
+    count = len(problem.nominal)
+    values = problem.nominal.copy() if shift is None else problem.nominal + problem.units[:count] * shift
+    problem = replace(problem, turned=start.turned(problem, values))
+    shared, no_clocks = np.concatenate([values, problem.origin[count:]]), np.zeros(len(problem.logs))
+    legs = tuple(start.whole(log, SHORT) for log in problem.logs)
+    short = replace(problem, legs=legs, clocks=(False,) * len(problem.logs))
+    near = estimator.solved(short, start.begun(short, shared, no_clocks))
+    return estimator.solved(problem, start.begun(problem, near.state.shared, no_clocks))
+
+
+def settled(fit: Fit) -> Determined:
+    """Return the fit without slips, and with everything nominal that the logs do not determine."""
+    found: list[Slip] = []
+    for _ in range(_ROUNDS):
+        tracks = noise.tracks(fit)
+        new = slips.find(fit, noise.noise(tracks), tracks)
+        if not new:
+            break
+        found += [slip for _, slip in new]
+        fit = _again(replace(fit.problem, legs=slips.without(fit, new)), fit)
+    level = noise.noise(noise.tracks(fit))
+    covariance = noise.covariance(fit, level)
+    sure = tuple(c and bool(s < CLOCK) for c, s in zip(fit.problem.clocks, covariance.clocks, strict=True))
+    if sure != fit.problem.clocks:
+        fit = _again(replace(fit.problem, clocks=sure), fit)
+        level = noise.noise(noise.tracks(fit))
+        covariance = noise.covariance(fit, level)
+    kept, nominal = split(covariance.shared, fit.problem.free)
+    if nominal.shape[1]:
+        off = (fit.state.shared - fit.problem.origin) / fit.problem.units
+        shared = fit.problem.origin + fit.problem.units * (kept @ (kept.T @ off))
+        problem = replace(fit.problem, free=kept)
+        fit = _again(problem, replace(fit, state=replace(fit.state, shared=shared)))
+        level = noise.noise(noise.tracks(fit))
+        covariance = noise.covariance(fit, level)
+    return Determined(fit, level, covariance, nominal, tuple(sorted(found, key=lambda s: (s.log, s.start))))
+
+
+def _again(problem: Problem, fit: Fit) -> Fit:
+    """Return the fit of a changed problem, from the shared unknowns of a fit on."""
+    clocks = [own[0] if free else 0.0 for own, free in zip(fit.state.own, problem.clocks, strict=True)]
+    return estimator.solved(problem, start.begun(problem, fit.state.shared, np.array(clocks)))
+
+
+def _deviance(fit: Fit, scale: float) -> float:
+    """Return minus twice the logarithm of the likelihood at a scale [m], with the whole prior of the parameters."""
+    at = estimator.evaluated(replace(fit.problem, scale=scale), fit.state)
+    off = (fit.state.shared - fit.problem.origin) / fit.problem.units
+    return 2 * at.cost + (1 - PRIOR**2) * float(off @ off)
+
+
+def _alternatives(
+    tried: Sequence[tuple[Fit, Hypothesis]], deviances: Sequence[float], chosen: Hypothesis
+) -> tuple[Alternative, ...]:
+    result = []
+    for (fit, hypothesis), deviance in zip(tried, deviances, strict=True):
+        odds = float(np.exp(min(0.5 * (deviance - min(deviances)), 99.0)))
+        if hypothesis is not chosen and odds < _ODDS:
+            names = fit.problem.increments.parameters
+            values = dict(zip(names, fit.state.shared.tolist(), strict=False))
+            result.append(Alternative(hypothesis.turns, odds, values))
+    return tuple(sorted(result, key=lambda a: a.odds))
+
+
+def _unobservable(robot: Robot, found: Determined) -> tuple[tuple[str, ...], ...]:
+    """Return the groups, and the parameters that `forward` does not have."""
+    names = found.fit.problem.increments.parameters
+    absent = tuple((p.name,) for p in robot.tunable if p.name not in names)
+    return (*groups(found.fit.problem, names, found.open), *absent)
+
+
+def _estimates(
+    robot: Robot, found: Determined
+) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
+    """Return parameters, mount and clocks."""
+    fit, problem = found.fit, found.fit.problem
+    names = (*problem.increments.parameters, "x", "y", "theta")
+    weak = {name.removeprefix("mount.") for group in _unobservable(robot, found) for name in group}
+    sigmas = np.sqrt(np.diag(found.covariance.shared)) * problem.units
+    every = {}
+    for name, value, sigma, nominal in zip(names, fit.state.shared, sigmas, problem.origin, strict=True):
+        seen = name not in weak
+        every[name] = Estimate(float(value), float(sigma) if seen else None, float(nominal), seen)
+    parameters = {}
+    for p in robot.tunable:
+        alone = Estimate(float(p.nominal), None, float(p.nominal), False)
+        parameters[p.name] = every.get(p.name, alone)
+    mount = {name: every[name] for name in ("x", "y", "theta")}
+    clocks = {}
+    for index, log in enumerate(problem.logs):
+        sure = problem.clocks[index]
+        sigma = float(found.covariance.clocks[index]) if sure else None
+        clocks[log.name] = Estimate(float(fit.state.own[index][0]), sigma, 0.0, sure)
+    return parameters, mount, clocks
+
+
+def verdict(found: Determined) -> Verdict | None:
+    """Return the verdict on logs that are left out, in at most `FOLDS` folds; of one log its legs are left out."""
+    problem, state = found.fit.problem, found.fit.state
+    pieces = _pieces(problem)
+    count = min(FOLDS, len(pieces))
+    if count < 2:
+        return None
+    nominal, held, blind = [], [], set[str]()
+    for fold in range(count):
+        inside = pieces[fold::count]
+        rest = [piece for piece in pieces if piece not in inside]
+        other = _part(problem, rest)
+        clocks = np.array([state.own[index][0] for index, _ in rest])
+        fit = estimator.solved(other, start.begun(other, state.shared, clocks))
+        level = noise.noise(noise.tracks(fit))
+        _, weak = split(noise.covariance(fit, level).shared, other.free)
+        if weak.shape[1]:
+            every = groups(other, other.increments.parameters, weak)
+            blind |= {name for group in every for name in group}
+            continue
+        left = _part(problem, inside)
+        for k, (index, _) in enumerate(inside):
+            clock = float(state.own[index][0])
+            nominal.append(drawn(left, k, problem.origin, clock))
+            held.append(drawn(left, k, fit.state.shared, clock))
+    if not held:
+        return None
+    return Verdict(errors(nominal), errors(held), count, tuple(sorted(blind)))
+
+
+def _pieces(problem: Problem) -> list[tuple[int, tuple[int, ...]]]:
+    """Return what can be left out: logs, or the legs of a single log, as the number of the log and its legs."""
+    if len(problem.logs) > 1:
+        return [(index, tuple(range(len(legs)))) for index, legs in enumerate(problem.legs)]
+    return [(0, (k,)) for k in range(len(problem.legs[0]))]
+
+
+def _part(problem: Problem, pieces: Sequence[tuple[int, tuple[int, ...]]]) -> Problem:
+    """Return the problem of some pieces, each as a log."""
+    return replace(
+        problem,
+        logs=tuple(problem.logs[index] for index, _ in pieces),
+        legs=tuple(problem.legs[index][list(legs)] for index, legs in pieces),
+        clocks=tuple(problem.clocks[index] for index, _ in pieces),
+    )

@@ -1,8 +1,8 @@
 """From a robot and its logs to parameters: the fit, what it determines, and a verdict on logs that were left out.
 
 Steps. Read and thin every log. Try each possible number of turns. Fit short legs, which nominal odometry follows, then
-whole ones. Cut legs at slips. Leave undetermined clocks and directions nominal. Then leave logs out, fit the others, and
-compare odometry on the logs that were left out with nominal odometry.
+whole ones. Cut legs at slips. Leave undetermined clocks and directions nominal. Then leave logs out, fit the others,
+and compare odometry on the logs that were left out with nominal odometry.
 """
 
 from __future__ import annotations
@@ -167,8 +167,9 @@ def of_logs(
         free=np.eye(len(nominal) + MOUNT), clocks=(not one_clock,) * len(every),
     )  # fmt: skip
     tried = [(begun(replace(problem, logs=h.logs), h.shift), h) for h in turns.hypotheses(problem)]
-    least = min(fit.problem.scale for fit, _ in tried)
-    deviances = [_deviance(fit, least) for fit, _ in tried]
+    # One scale for all, and the largest: a fit of few poses may meet them by chance, and that is no evidence.
+    scale = max(fit.problem.scale for fit, _ in tried)
+    deviances = [_deviance(fit, scale) for fit, _ in tried]
     best, chosen = tried[int(np.argmin(deviances))]
     found = settled(best)
     alternatives = _alternatives(tried, deviances, chosen)
@@ -210,18 +211,13 @@ def settled(fit: Fit) -> Determined:
     found: list[Slip] = []
     for _ in range(_ROUNDS):
         tracks = noise.tracks(fit)
-        new = slips.find(fit, noise.noise(tracks), tracks)
+        new = slips.find(fit, tracks)
         if not new:
             break
         found += [slip for _, slip in new]
         fit = _again(replace(fit.problem, legs=slips.without(fit, new)), fit)
     level = noise.noise(noise.tracks(fit))
     covariance = noise.covariance(fit, level)
-    sure = tuple(c and bool(s < CLOCK) for c, s in zip(fit.problem.clocks, covariance.clocks, strict=True))
-    if sure != fit.problem.clocks:
-        fit = _again(replace(fit.problem, clocks=sure), fit)
-        level = noise.noise(noise.tracks(fit))
-        covariance = noise.covariance(fit, level)
     kept, nominal = split(covariance.shared, fit.problem.free)
     if nominal.shape[1]:
         off = (fit.state.shared - fit.problem.origin) / fit.problem.units
@@ -285,9 +281,10 @@ def _estimates(
     mount = {name: every[name] for name in ("x", "y", "theta")}
     clocks = {}
     for index, log in enumerate(problem.logs):
-        sure = problem.clocks[index]
-        sigma = float(found.covariance.clocks[index]) if sure else None
-        clocks[log.name] = Estimate(float(fit.state.own[index][0]), sigma, 0.0, sure)
+        sigma = float(found.covariance.clocks[index])
+        sure = problem.clocks[index] and sigma < CLOCK
+        value = float(fit.state.own[index][0]) if sure else 0.0
+        clocks[log.name] = Estimate(value, sigma if sure else None, 0.0, sure)
     return parameters, mount, clocks
 
 

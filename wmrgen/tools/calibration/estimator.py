@@ -56,7 +56,9 @@ def robust(residuals: Reals, by: Reals, weights: Reals, scale: float) -> Normal:
     root = np.sqrt(1 + (residuals / scale) ** 2)
     effective = weights / root / scale**2
     weighted = effective[:, None] * by
-    return Normal(float(weights @ (root - 1)), weighted.T @ residuals, weighted.T @ by)
+    # einsum and not a product of matrices: threads of BLAS wait for one another where other processes use the cores.
+    matrix = np.einsum("ni,nj->ij", weighted, by)
+    return Normal(float(weights @ (root - 1)), np.einsum("ni,n->i", weighted, residuals), matrix)
 
 
 def normal(problem: Problem, shared: Reals, own: Reals, one: Rows) -> Normal:
@@ -72,7 +74,7 @@ def normal(problem: Problem, shared: Reals, own: Reals, one: Rows) -> Normal:
         matrix[:count, :count] += joints.matrix
         gradient[:count] += joints.gradient
         cost += joints.cost
-    weight = (PRIOR / UNIT_CLOCK) ** 2
+    weight = UNIT_CLOCK**-2  # a whole standard deviation: else clocks of straight drives run away
     matrix[width, width] += weight
     gradient[width] += weight * own[0]
     # A leg without a reference pose, and a quantity that is never measured, keep their start.

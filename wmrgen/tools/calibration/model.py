@@ -146,10 +146,11 @@ def _in_legs(log: Log, legs: Reals, clock: float) -> tuple[Poses, Indices]:
 
 
 def _pace(path: Path, t: Reals, at: Reals) -> tuple[Complexes, Reals]:
-    """Return velocity [m/s] and yaw rate [rad/s] at times ``at``, over `PACE` to both sides; 0 outside of the log."""
-    early, late = np.clip(at - PACE, t[0], t[-1]), np.clip(at + PACE, t[0], t[-1])
+    """Return velocity [m/s] and yaw rate [rad/s] at times ``at``, over `PACE` to both sides inside the log."""
+    inside = np.clip(at, t[0] + 0.5 * PACE, t[-1] - 0.5 * PACE)
+    early, late = np.clip(inside - PACE, t[0], t[-1]), np.clip(inside + PACE, t[0], t[-1])
     earlier, later = path.between(*steps_at(t, early)), path.between(*steps_at(t, late))
-    lasts = 2 * PACE
+    lasts = late - early
     return (later.position - earlier.position) / lasts, (later.heading - earlier.heading) / lasts
 
 

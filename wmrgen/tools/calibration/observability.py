@@ -14,7 +14,7 @@ from wmrgen.tools.calibration.model import Problem
 from wmrgen.tools.calibration.path import Reals
 
 WEAK = 0.2  # units: 2 % of a parameter, 2 cm and 0.02 rad of the mount; a tape measure is as good
-CLOCK = 0.1  # [s] of a clock offset: at 0.5 m/s this is 5 cm, and more moves parameters
+CLOCK = 0.05  # [s] of a clock offset: at 0.5 m/s this is 2.5 cm, the least that matters
 _PART = 0.25  # of a direction's largest part: smaller parts are not named
 MOUNT = ("mount.x", "mount.y", "mount.theta")
 

@@ -11,12 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmrgen.tools.calibration.estimator import Fit
-from wmrgen.tools.calibration.noise import Noise, Track
+from wmrgen.tools.calibration.model import LEVER
+from wmrgen.tools.calibration.noise import Track
 from wmrgen.tools.calibration.path import Reals
 
-_FAR = 8.0  # standard deviations: of a million differences with normal noise none is so large
-_LASTS = 1.0  # [s] between two poses that are compared
-_ROWS = 3  # reference poses that a leg must have
+_FAR = 15.0  # robust standard deviations of a jump; OptiOdom's logs, without a slip, have jumps of 10
+_WINDOW = (
+    3.0  # [s] before and behind a jump, over which its size is a median: a glitch of the reference is no jump
+)
+_LASTS = 1.0  # [s] between the two windows: slips are short
+_ROWS = 3  # reference poses that a window and a leg must have
+_MEDIAN = 1.4826  # standard deviations of a normal distribution in a median absolute value
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,37 +35,50 @@ class Slip:
     turned: float  # [rad]
 
 
-def find(fit: Fit, level: Noise, every: list[Track]) -> list[tuple[int, Slip]]:
-    """Return slips with the number of their logs.
+def find(fit: Fit, every: list[Track]) -> list[tuple[int, Slip]]:
+    """Return slips, each with the number of its log.
 
     Args:
         fit: An estimate.
-        level: Its noise.
         every: Its legs.
     """
+    jumps = np.concatenate([_jumps(track) for track in every]) if every else np.zeros((0, 4))
+    if not len(jumps):
+        return []
+    sizes = np.abs(jumps[:, 2:])
+    floor = [fit.problem.scale, fit.problem.scale / LEVER]
+    far = (sizes / np.maximum(_MEDIAN * np.median(sizes, axis=0), floor)).max(axis=1)
     result = []
-    for track in every:
-        t = track.t
-        ends = np.searchsorted(t, t + _LASTS - 1e-6)
-        starts = np.flatnonzero(ends < len(t))
-        ends = ends[starts]
-        own = (track.place[ends] - track.place[starts]) * np.exp(-1j * track.heading[starts])
-        seen = (track.seen[ends] - track.seen[starts]) * np.exp(-1j * track.theta[starts])
-        turned = (track.heading - track.theta)[ends] - (track.heading - track.theta)[starts]
-        travel = track.travelled[ends] - track.travelled[starts]
-        chord = np.abs(own) ** 2
-        of_place = 4 * level.position + 2 * level.position_walk * travel + level.heading * chord
-        of_turn = 2 * level.heading + level.heading_walk * travel
-        far = np.maximum(np.abs(own - seen) ** 2 / of_place, turned**2 / of_turn) > _FAR**2
-        for group in np.split(np.flatnonzero(far), np.flatnonzero(np.diff(np.flatnonzero(far)) > 1) + 1):
-            if len(group):
-                worst = group[np.argmax(np.abs(own - seen)[group] + np.abs(turned)[group])]
-                slip = Slip(
-                    fit.problem.logs[track.log].name, float(t[starts[group[0]]]), float(t[ends[group[-1]]]),
-                    float(np.abs(own - seen)[worst]), float(turned[worst]),
-                )  # fmt: skip
-                result.append((track.log, slip))
+    for index in np.unique(jumps[:, 0]).astype(int):
+        of_log = jumps[:, 0] == index
+        rows, heights = jumps[of_log], np.where(far[of_log] > _FAR, far[of_log], 0.0)
+        while heights.max() > 0:
+            worst = int(np.argmax(heights))
+            _, t, moved, turned = (float(v) for v in rows[worst])
+            result.append((index, Slip(fit.problem.logs[index].name, t, t + _LASTS, moved, turned)))
+            heights[np.abs(rows[:, 1] - t) < _WINDOW + _LASTS] = 0.0  # the same jump, seen from beside it
     return result
+
+
+def _jumps(track: Track) -> Reals:
+    """Return, about once a second, the log, the time, and by how much [m], [rad] odometry and reference jump apart."""
+    result, t = [], track.t
+    error = track.heading - track.theta
+    for begin in np.arange(t[0] + _WINDOW, t[-1] - _WINDOW - _LASTS, _LASTS / 2):
+        before = np.flatnonzero((t >= begin - _WINDOW) & (t <= begin))
+        after = np.flatnonzero((t >= begin + _LASTS) & (t <= begin + _LASTS + _WINDOW))
+        count = min(len(before), len(after))
+        if count < _ROWS:
+            continue
+        i, j = before[-count:], after[:count]
+        # Seen from the middle heading between both, a rotation in the gap moves nothing to first order.
+        own = (track.place[j] - track.place[i]) * np.exp(-0.5j * (track.heading[i] + track.heading[j]))
+        seen = (track.seen[j] - track.seen[i]) * np.exp(-0.5j * (track.theta[i] + track.theta[j]))
+        off = own - seen
+        moved = abs(complex(np.median(off.real), np.median(off.imag)))
+        turned = float(np.median(error[after]) - np.median(error[before]))
+        result.append((track.log, begin, moved, turned))
+    return np.array(result).reshape(-1, 4)
 
 
 def without(fit: Fit, found: list[tuple[int, Slip]]) -> tuple[Reals, ...]:

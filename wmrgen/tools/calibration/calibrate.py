@@ -166,12 +166,11 @@ def of_logs(
         increments, nominal, every, tuple(start.whole(log) for log in every),
         free=np.eye(len(nominal) + MOUNT), clocks=(not one_clock,) * len(every),
     )  # fmt: skip
-    tried = [(begun(replace(problem, logs=h.logs), h.shift), h) for h in turns.hypotheses(problem)]
+    tried = [(settled(begun(replace(problem, logs=h.logs), h.shift)), h) for h in turns.hypotheses(problem)]
     # One scale for all, and the largest: a fit of few poses may meet them by chance, and that is no evidence.
-    scale = max(fit.problem.scale for fit, _ in tried)
-    deviances = [_deviance(fit, scale) for fit, _ in tried]
-    best, chosen = tried[int(np.argmin(deviances))]
-    found = settled(best)
+    scale = max(found.fit.problem.scale for found, _ in tried)
+    deviances = [_deviance(found.fit, scale) for found, _ in tried]
+    found, chosen = tried[int(np.argmin(deviances))]
     alternatives = _alternatives(tried, deviances, chosen)
     parameters, mount, clocks = _estimates(robot, found)
     count = len(nominal)
@@ -243,14 +242,14 @@ def _deviance(fit: Fit, scale: float) -> float:
 
 
 def _alternatives(
-    tried: Sequence[tuple[Fit, Hypothesis]], deviances: Sequence[float], chosen: Hypothesis
+    tried: Sequence[tuple[Determined, Hypothesis]], deviances: Sequence[float], chosen: Hypothesis
 ) -> tuple[Alternative, ...]:
     result = []
-    for (fit, hypothesis), deviance in zip(tried, deviances, strict=True):
+    for (found, hypothesis), deviance in zip(tried, deviances, strict=True):
         odds = float(np.exp(min(0.5 * (deviance - min(deviances)), 99.0)))
         if hypothesis is not chosen and odds < _ODDS:
-            names = fit.problem.increments.parameters
-            values = dict(zip(names, fit.state.shared.tolist(), strict=False))
+            names = found.fit.problem.increments.parameters
+            values = dict(zip(names, found.fit.state.shared.tolist(), strict=False))
             result.append(Alternative(hypothesis.turns, odds, values))
     return tuple(sorted(result, key=lambda a: a.odds))
 

@@ -16,9 +16,8 @@ from wmrgen.tools.calibration.path import Complexes, Reals
 
 LEG = 200.0  # [s] of a leg at most: later poses say ever less of the parameters, because errors of odometry add up
 APART = 2.0  # [s] between reference poses whose displacement is compared with that of odometry
-_COHERENT = (
-    0.5  # of the displacements' length must agree on one angle before the tracked body counts as turned
-)
+_SURE = 0.05  # [m] of displacements in all, below which they are the noise of a robot on the spot
+_COHERENT = 0.5  # of the displacements' length must agree on one angle, before the tracked body counts as turned
 
 
 def whole(log: Log, seconds: float = LEG) -> Reals:
@@ -45,7 +44,7 @@ def turned(problem: Problem, values: Reals) -> float:
     Over a short way, a displacement of the tracked point seen from its body, and that of odometry seen from the robot,
     differ by this angle, however much odometry has drifted before.
     """
-    total, length = 0j, 0.0
+    total, length = 0j, _SURE**2
     for log in problem.logs:
         place, heading = odometry(problem, log, values)
         seen = log.poses.x + 1j * log.poses.y

@@ -132,32 +132,51 @@ def noise(every: list[Track]) -> Noise:
     return Noise(*map(float, found), *map(float, found + _ERRORS * errors))
 
 
-def covariance(fit: Fit, level: Noise) -> Covariance:
-    """Return the covariance of shared unknowns and clocks.
+@dataclass(frozen=True, slots=True)
+class Share:
+    """What one log adds to the covariance."""
 
-    Args:
-        fit: The estimate.
-        level: Variances of odometry and reference.
-    """
+    matrix: Reals  # (S, S) of the normal equations, in units, its own unknowns eliminated
+    meat: Reals  # (S, S) covariance of the gradient
+    clock: tuple[
+        float, Reals
+    ]  # [s^2] variance of its clock for known shared unknowns, and how it follows them (S,)
+
+
+def shares(fit: Fit, level: Noise) -> list[Share]:
+    """Return what each log adds to the covariance, under the noise ``level``."""
     problem, width = fit.problem, len(fit.problem.origin)
-    matrix, _ = reduced(problem, fit.normals)
-    bread = np.linalg.inv(problem.free.T @ (matrix + PRIOR**2 * np.eye(width)) @ problem.free)
-    meat = PRIOR**4 * np.eye(width)
     squares = [float(one.joints @ one.joints) for one in fit.rows]
     joints = sum(squares) / max(1, sum(len(one.joints) for one in fit.rows))
-    parts = []
+    result = []
     for index, (one, normal) in enumerate(zip(fit.rows, fit.normals, strict=True)):
         gradient = _gradient_covariance(fit, index, one, level, joints)
-        project = np.linalg.solve(normal.matrix[width:, width:], normal.matrix[width:, :width])  # (own, S)
+        inverse = np.linalg.inv(normal.matrix[width:, width:])
+        project = inverse @ normal.matrix[width:, :width]  # (own, S)
         eliminate = np.hstack([np.eye(width), -project.T])
-        meat += eliminate @ gradient @ eliminate.T
-        parts.append((project, np.linalg.inv(normal.matrix[width:, width:]), gradient[width:, width:]))
-    shared = problem.free @ bread @ problem.free.T @ meat @ problem.free @ bread @ problem.free.T
-    clocks = [
-        float((inverse @ inside @ inverse)[0, 0] + project[0] @ shared @ project[0])
-        for project, inverse, inside in parts
-    ]
+        own = (inverse @ gradient[width:, width:] @ inverse)[0, 0]
+        matrix, _ = reduced(problem, [normal])
+        result.append(Share(matrix, eliminate @ gradient @ eliminate.T, (float(own), project[0])))
+    return result
+
+
+def combined(every: list[Share], free: Reals) -> Covariance:
+    """Return the covariance of an estimate from some logs, in the directions ``free`` (S, k).
+
+    The prior is one more measurement of each shared unknown, with a standard deviation of one unit.
+    """
+    width = len(free)
+    matrix = PRIOR**2 * np.eye(width) + sum((one.matrix for one in every), np.zeros((width, width)))
+    meat = PRIOR**4 * np.eye(width) + sum((one.meat for one in every), np.zeros((width, width)))
+    bread = free @ np.linalg.solve(free.T @ matrix @ free, free.T)
+    shared = bread @ meat @ bread
+    clocks = [own + float(follows @ shared @ follows) for own, follows in (one.clock for one in every)]
     return Covariance(shared, np.sqrt(np.maximum(clocks, 0.0)))
+
+
+def covariance(fit: Fit, level: Noise) -> Covariance:
+    """Return the covariance of the shared unknowns and of the clocks, under the noise ``level``."""
+    return combined(shares(fit, level), fit.problem.free)
 
 
 def _gradient_covariance(fit: Fit, index: int, one: Rows, level: Noise, joints: float) -> Reals:

@@ -17,7 +17,9 @@ from wmrgen.tools.calibration.path import Complexes, Reals
 LEG = 200.0  # [s] of a leg at most: later poses say ever less of the parameters, because errors of odometry add up
 APART = 2.0  # [s] between reference poses whose displacement is compared with that of odometry
 _SURE = 0.05  # [m] of displacements in all, below which they are the noise of a robot on the spot
-_COHERENT = 0.5  # of the displacements' length must agree on one angle, before the tracked body counts as turned
+_COHERENT = (
+    0.5  # of the displacements' length must agree on one angle, before the tracked body counts as turned
+)
 
 
 def whole(log: Log, seconds: float = LEG) -> Reals:

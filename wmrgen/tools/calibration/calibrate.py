@@ -7,8 +7,9 @@ and compare odometry on the logs that were left out with nominal odometry.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ from wmrgen.errors import UsageError
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.ir.calls import self_contained
 from wmrgen.ir.lower import lower
-from wmrgen.tools.calibration import estimator, noise, slips, start, turns
+from wmrgen.tools.calibration import diagnoses, estimator, noise, slips, start, turns
 from wmrgen.tools.calibration.errors import Errors, drawn, errors
 from wmrgen.tools.calibration.estimator import PRIOR, Fit
 from wmrgen.tools.calibration.logs import Log, check, thinned, unique_names
@@ -31,6 +32,7 @@ from wmrgen.tools.calibration.path import Increments, Reals
 from wmrgen.tools.calibration.reading import pairs, read
 from wmrgen.tools.calibration.slips import Slip
 from wmrgen.tools.calibration.turns import Hypothesis
+from wmrgen.tools.calibration.workers import Map, serial
 
 FOLDS = 5  # parts that logs are left out in, one after the other
 SHORT = 20.0  # [s] of a leg in the first fit: odometry with parameters 10 % off does not lose its way
@@ -125,7 +127,11 @@ def counts_per_turn(robot: Robot) -> dict[str, float]:
 
 
 def calibrate(
-    derivation: Derivation, logs: Sequence[Path], references: Sequence[Path] = (), one_clock: bool = False
+    derivation: Derivation,
+    logs: Sequence[Path],
+    references: Sequence[Path] = (),
+    one_clock: bool = False,
+    mapped: Map = serial,
 ) -> Calibration:
     """Estimate a robot's parameters from log files.
 
@@ -134,6 +140,7 @@ def calibrate(
         logs: CSV files of joint readings.
         references: CSV files of reference poses; by default those beside the logs.
         one_clock: Whether each log and its reference poses have the same clock.
+        mapped: Where the logs are read.
 
     Returns:
         The calibration.
@@ -142,11 +149,17 @@ def calibrate(
     counts = counts_per_turn(derivation.robot)
     files = pairs(logs, references)
     names = unique_names([log.stem for log, _ in files])
-    every = []
-    for name, (log, reference) in zip(names, files, strict=True):
-        one = replace(read(log, reference, increments.joints, counts), name=name)
-        every.append(thinned(one, increments, nominal))
+    load = partial(_loaded, increments=increments, nominal=nominal, counts=counts)
+    every = mapped(load, [(name, *pair) for name, pair in zip(names, files, strict=True)])
     return of_logs(derivation.robot, increments, nominal, every, one_clock)
+
+
+def _loaded(
+    file: tuple[str, Path, Path], increments: Increments, nominal: Reals, counts: Mapping[str, float]
+) -> Log:
+    """Read and thin a log, given its name, its file and that of its reference poses."""
+    name, log, reference = file
+    return thinned(replace(read(log, reference, increments.joints, counts), name=name), increments, nominal)
 
 
 def of_logs(
@@ -171,6 +184,7 @@ def of_logs(
     scale = max(found.fit.problem.scale for found, _ in tried)
     deviances = [_deviance(found.fit, scale) for found, _ in tried]
     found, chosen = tried[int(np.argmin(deviances))]
+    diagnoses.refuse(found.fit, partial(_refitted, problem))
     alternatives = _alternatives(tried, deviances, chosen)
     parameters, mount, clocks = _estimates(robot, found)
     count = len(nominal)
@@ -203,6 +217,12 @@ def begun(problem: Problem, shift: Reals | None = None) -> Fit:
     short = replace(problem, legs=legs, clocks=(False,) * len(problem.logs))
     near = estimator.solved(short, start.begun(short, shared, no_clocks))
     return estimator.solved(problem, start.begun(problem, near.state.shared, no_clocks))
+
+
+def _refitted(problem: Problem, logs: Sequence[Log]) -> Fit:
+    """Return the fit of other readings of the logs."""
+    changed = replace(problem, logs=tuple(logs))
+    return begun(replace(changed, logs=turns.hypotheses(changed)[-1].logs))
 
 
 def settled(fit: Fit) -> Determined:

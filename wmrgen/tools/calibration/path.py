@@ -131,7 +131,7 @@ class Increments:
     def _evaluated(self, function: OfColumns, columns: Mapping[str, Reals], values: Reals) -> Reals:
         inputs = np.array([columns[name] for name in self.joints])
         if not any(name.endswith(".steer") for name in self.joints):
-            return _matrix(function, len(inputs), tuple(map(float, values))) @ inputs
+            return np.asarray(_matrix(function, len(inputs), tuple(map(float, values))) @ inputs)
         constant = np.repeat(np.asarray(values, dtype=float)[:, None], inputs.shape[1], axis=1)
         return np.asarray(function(np.vstack([inputs, constant])))
 

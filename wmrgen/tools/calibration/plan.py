@@ -11,6 +11,7 @@ import numpy as np
 
 from wmrgen.derivation.facade import Derivation
 from wmrgen.tools.calibration import estimator, start
+from wmrgen.tools.calibration.calibrate import Calibration, increments_of
 from wmrgen.tools.calibration.logs import Log, Poses
 from wmrgen.tools.calibration.model import MOUNT, Problem
 from wmrgen.tools.calibration.noise import Noise, Share, combined, shares
@@ -146,7 +147,7 @@ def _worst(every: list[Share], count: int) -> Reals:
     """Return standard deviations of directions of the parameters, relative to nominal, worst first."""
     width = count + MOUNT
     shared = combined(every, np.eye(width)).shared[:count, :count]
-    return 0.1 * np.sqrt(np.maximum(np.linalg.eigvalsh(shared)[::-1], 0.0))
+    return np.asarray(0.1 * np.sqrt(np.maximum(np.linalg.eigvalsh(shared)[::-1], 0.0)))
 
 
 def blind(
@@ -184,3 +185,16 @@ def plan(
         if len(uncertain) == never or uncertain[never] <= precision:
             return tuple(offer.course for offer in chosen)
     return None
+
+
+def problem_of_plan(derivation: Derivation) -> tuple[Problem, list[Offer], tuple[tuple[str, ...], ...]]:
+    """Return a robot's problem without logs, its offers, and the groups that no drive determines separately."""
+    increments, nominal = increments_of(derivation)
+    problem = Problem(increments, nominal, (), (), free=np.eye(len(nominal) + MOUNT))
+    choices = offers(derivation, increments, nominal)
+    return problem, choices, blind(choices, problem)
+
+
+def existing(result: Calibration | None) -> list[Share]:
+    """Return what the logs of a calibration add."""
+    return [] if result is None else shares(result.fit, result.noise)

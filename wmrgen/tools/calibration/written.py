@@ -1,0 +1,96 @@
+"""What a calibration writes: the robot file with new values, parameters for ROS, and numbers for the C."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from wmrgen.errors import NotDerivableError
+from wmrgen.geometry.layout import build
+from wmrgen.geometry.layout.records import Parameter, Robot
+from wmrgen.geometry.symbolic import expression
+from wmrgen.ir.nodes import Module
+from wmrgen.robotfile.load import read_robot
+from wmrgen.robotfile.records import Quantity
+from wmrgen.tools.calibration.calibrate import Calibration
+from wmrgen.tools.exporting.ros2_control import ros2_control
+
+
+def new_values(result: Calibration) -> dict[str, float]:
+    """Return the values for the robot file: those of all parameters that differ from nominal.
+
+    A parameter that the logs do not determine alone stays nominal; of those that are determined together, such as half
+    length and half width by their sum, the values belong together, and all are returned.
+    """
+    return {name: e.value for name, e in result.parameters.items() if e.value != e.nominal}
+
+
+def with_values(path: Path, values: Mapping[str, float]) -> str:
+    """Return the text of a robot file with other values of its parameters, every other character as it was.
+
+    ``values`` are in m and rad. A range that a value leaves is widened to it.
+    """
+    lines = path.read_bytes().decode("utf-8").split("\n")
+    spec = read_robot(path)
+    before = {p.name: p for p in build(spec).parameters}
+    changes = list[tuple[Quantity, str]]()
+    for p in spec.parameters:
+        if p.name in values:
+            text = f"{values[p.name]:.8g}"
+            side = beyond(before[p.name], float(text))
+            changes.append((p.value, text))
+            if p.range is not None and side:
+                changes.append((p.range[side > 0], text))
+    for written, text in sorted(changes, key=lambda c: (c[0].mark.line, c[0].mark.column), reverse=True):
+        line, column = written.mark.line - 1, written.mark.column - 1
+        start = lines[line].index(written.text, column)
+        lines[line] = f"{lines[line][:start]}{text}{lines[line][start + len(written.text) :]}"
+    return "\n".join(lines)
+
+
+def beyond(p: Parameter, value: float) -> int:
+    """Return -1 if a value is below the range of its parameter, 1 if it is above, else 0."""
+    return (value > float(p.high)) - (value < float(p.low))
+
+
+def controllers(robot: Robot) -> tuple[str, str]:
+    """Return the parameters of the controller of ros2_controllers that fits a robot, and else the reason."""
+    try:
+        return ros2_control(robot)[f"{robot.name}_controllers.yaml"], ""
+    except NotDerivableError as error:
+        return "", error.what
+
+
+def equivalent_counts(robot: Robot, values: Mapping[str, float]) -> dict[str, float]:
+    """Return counts per turn of each ``<wheel>.spin`` with an encoder, negative if it counts down.
+
+    With them the wheel's nominal radius is right in place of the one that ``values`` [m] give it: drives determine only
+    the ratio of both.
+    """
+    result = {}
+    for wheel in robot.wheels:
+        encoder, radius = robot.encoder_of(wheel, "spin"), expression(wheel.working.r)
+        if encoder is not None and radius.free_symbols:
+            calibrated = float(radius.subs({s: values[s.name] for s in radius.free_symbols}))
+            result[f"{wheel.name}.spin"] = float(encoder.turn) * float(wheel.nominal.r) / calibrated
+    return result
+
+
+def c_values(module: Module, values: Mapping[str, float]) -> str:
+    """Return a header for the robot's C: a macro that initialises its struct of parameters; empty if it has none."""
+    ports = module.prepare.inputs if module.prepare is not None else ()
+    if not ports:
+        return ""
+    name = module.name
+    entries = ", ".join(f".{port.name} = {_literal(values[port.name])}" for port in ports)
+    macro = f"{name.upper()}_CALIBRATED"
+    return (
+        f"/* {name}_params params = {macro}; then {name}_prepare(&params, &prepared). Parameters in m and rad. */\n"
+        f"#ifndef {macro}\n#define {macro} {{{entries}}}\n#endif\n"
+    )
+
+
+def _literal(value: float) -> str:
+    """Return a number with nine digits, which float and double read alike."""
+    digits = f"{value:.9g}"
+    return digits if any(c in digits for c in ".e") else f"{digits}.0"

@@ -132,14 +132,14 @@ def test_only_the_code_with_the_same_number_is_suggested(wmrgen_cli: Cli, word: 
     assert re.findall(r"WMR\d{3}\?", done.err) == ([f"{near}?"] if near else [])
 
 
-@pytest.mark.parametrize("first", [False, True])
+@pytest.mark.parametrize(("verb", "first"), [("lint", False), ("lint", True), ("compare", False)])
 def test_a_robot_file_without_its_version_is_no_controller(
-    wmrgen_cli: Cli, robot_file: Path, tmp_path: Path, first: bool
+    wmrgen_cli: Cli, robot_file: Path, tmp_path: Path, verb: str, first: bool
 ) -> None:
     """Its types of wheels are words that types of controllers have too."""
     file = tmp_path / "omni.yaml"
     file.write_text("name: x\nwheels:\n  - {name: a, type: omni, x: 0.2, y: 0, r: 0.05}\n")
-    done = wmrgen_cli("lint", *([] if first else [robot_file]), file)
+    done = wmrgen_cli(verb, *([] if first else [robot_file]), file)
     assert done.code == 2
     places = re.findall(r"error\[(WMR\d+)\].*\n --> .*omni.yaml:(\d+):", done.err)
     assert places == [("WMR103", "1"), ("WMR104", "3")]

@@ -161,7 +161,7 @@ def test_new_asks_on_a_terminal(here: Path) -> None:
     running = subprocess.Popen([sys.executable, "-m", "wmrgen", "new"], stdin=child, stdout=child, stderr=child,
                                env=environment)  # fmt: skip
     os.close(child)
-    os.write(parent, b"tricycle\nsteered\n\n1.25\n\n0.1\n\x04")
+    os.write(parent, b"tricycle\nackermann\n\n1.25\n\n0.1\n\x04")
     shown = b""
     while True:
         try:
@@ -175,8 +175,8 @@ def test_new_asks_on_a_terminal(here: Path) -> None:
     assert running.wait() == 0, shown
     text = shown.decode()
     assert "mecanum" in text and "error[WMR112]" in text and "'tricycle'" in text
-    assert "[my_steered]" in text and "wheelbase? [TODO]" in text
-    written = (here / "my_steered.yaml").read_text(encoding="utf-8")
+    assert "[my_ackermann]" in text and "wheelbase? [TODO]" in text
+    written = (here / "my_ackermann.yaml").read_text(encoding="utf-8")
     assert re.findall(r"^  (\w+): (.*)$", written, re.MULTILINE) == [
         ("wheelbase", "1.25"),
         ("track", "TODO"),
@@ -196,7 +196,13 @@ def test_a_drive_has_nothing_but_its_wheels(wmrgen_cli: Cli, here: Path, kind: s
     assert {wheel["type"] for wheel in written["wheels"]} <= {"fixed", "steered", "swedish"}
     linted = wmrgen_cli("lint", "mine.yaml")
     assert (linted.code, linted.out) == (0, "1 robot: no findings\n")
-    freedom = {"differential": (2, 0), "steered": (1, 1), "swerve": (1, 2), "omni": (3, 0), "mecanum": (3, 0)}
+    freedom = {
+        "differential": (2, 0),
+        "ackermann": (1, 1),
+        "swerve": (1, 2),
+        "omni": (3, 0),
+        "mecanum": (3, 0),
+    }
     mobility = wmrgen.derive(wmrgen.load(here / "mine.yaml")).mobility
     assert (mobility.degree_of_mobility, mobility.degree_of_steerability) == freedom[kind]
 

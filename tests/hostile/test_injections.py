@@ -228,10 +228,16 @@ def test_names_of_descriptions(server: Server, tmp_path: Path, case: str, of: st
     text = (tmp_path / "out" / "robot.yaml").read_text(encoding="utf-8")
     assert all(c.isprintable() or c == "\n" for c in text)
     content = yaml.safe_load(text)
-    assert list(content) == ["wmrgen", "name", "wheels"] and len(content["wheels"]) == 2
+    assert [key for key in content if key != "frame"] == ["wmrgen", "name", "wheels"]
+    assert len(content["wheels"]) == 2
     for each in (content["name"], *(wheel["name"] for wheel in content["wheels"])):
         assert re.fullmatch("[A-Za-z][A-Za-z0-9_]{0,30}", each)
-    assert {key for wheel in content["wheels"] for key in wheel} == {"name", "type", "x", "y", "heading", "r"}
+    keys = {key for wheel in content["wheels"] for key in wheel} - {"joints"}
+    assert keys == {"name", "type", "x", "y", "heading", "r"}
+    outer = [wheel.get("joints", {}) for wheel in content["wheels"]]
+    assert all(set(joints) <= {"spin"} for joints in outer)
+    for each in (content.get("frame", "a"), *(joint for joints in outer for joint in joints.values())):
+        assert isinstance(each, str) and re.fullmatch("[A-Za-z0-9_][A-Za-z0-9_ ./:-]{0,199}", each), each
     assert server.run(tmp_path, "derive", "out/robot.yaml", "-o", "out").code == 0
 
 

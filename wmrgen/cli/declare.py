@@ -11,9 +11,8 @@ import typer
 
 from wmrgen.cli import console
 
-DECLARED: dict[
-    str, Callable[..., None]
-] = {}  # name of a verb -> what Typer runs, once its module is imported
+# Name of a verb -> what Typer runs, once its module is imported.
+DECLARED: dict[str, Callable[..., None]] = {}
 
 
 Work = TypeVar("Work", bound=Callable[..., int])

@@ -62,7 +62,7 @@ DRIVES = {
   - {name: right, type: fixed, x: 0, y: -track/2, heading: 0, r: radius}
 """,
     ),
-    "steered": Drive(
+    "ackermann": Drive(
         "a car: two driven wheels at the rear, two steered wheels at the front",
         """
     / front_left /      / front_right /

@@ -318,9 +318,8 @@ def derived(spec: RobotSpec, robot: Robot, say: Callable[[str], None] = console.
             ignored = f"To derive it all the same write beside the line: # wmrgen: ignore {finding.code}"
             raise NotDerivableError(finding.what, finding.mark, finding.instead, ignored, finding.code)
         say(str(finding))
-    _ = (
-        derivation.mobility
-    )  # raises NotDerivableError for trailers and virtual wheels that the robot cannot have
+    # This refuses trailers and virtual wheels that the robot cannot have.
+    _ = derivation.mobility
     _refuse_functions(spec, derivation)
     return derivation
 

@@ -10,7 +10,7 @@ import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.declare import Base, Json, Package, argument, robot_files, verb
 from wmrgen.cli.loading import linted, paths_and_arguments
-from wmrgen.errors import ErrorCollector, NotDerivableError, StaleError, UsageError, WmrgenError
+from wmrgen.errors import NotDerivableError, StaleError, UsageError, WmrgenError
 
 if TYPE_CHECKING:
     from wmrgen.tools.comparing.record import Layout
@@ -41,9 +41,7 @@ def lint(
     robot: Layout | None = None  # the robot that parameters and headers after it are compared with
     for path in paths:
         try:
-            described = layouts(path, arguments, package or (), base)
-            _refuse_robot_file(path, described)
-            for layout in described:
+            for layout in layouts(path, arguments, package or (), base):
                 if _is_robot(layout, robot):
                     found, skipped, refused = _findings_of(layout, path)
                     errors += refused
@@ -68,23 +66,6 @@ def lint(
     if errors:
         return errors[0].exit_code
     return StaleError.exit_code if findings else 0
-
-
-def _refuse_robot_file(path: Path, described: Sequence[Layout]) -> None:
-    """Raise RobotFileError for a file that has the key ``wheels`` of robot files, but was read as another form.
-
-    A robot file without its first line ``wmrgen: 1`` may look like the parameters of a controller.
-    """
-    from wmrgen.robotfile.load import text_of
-    from wmrgen.robotfile.reader import read_tree
-    from wmrgen.robotfile.text import MappingNode
-    from wmrgen.tools.comparing.record import CONTROLLER
-
-    if not described or described[0].form != CONTROLLER:
-        return
-    tree = read_tree(text_of(path), str(path), ErrorCollector(), aliases=True)
-    if isinstance(tree, MappingNode) and any(key.text == "wheels" for key, _ in tree.entries):
-        wmrgen.read(path)
 
 
 def _is_robot(layout: Layout, robot: Layout | None) -> bool:

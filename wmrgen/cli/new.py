@@ -26,6 +26,7 @@ from wmrgen.robotfile.text import (
     quoted,
     suggestion,
 )
+from wmrgen.robotfile.wheel_types import WHEEL_TYPES
 
 if TYPE_CHECKING:
     from wmrgen.robotfile.fields import Field
@@ -183,7 +184,7 @@ def _copy(
     text = formatted(_commented(text, name, start), str(path))
     mobility = wmrgen.derive(wmrgen.robot_of(read_text(text, str(path)))).mobility
     taken = [key for key in ("limits", "encoder", "noise", "gyro", "lag", "cg") if f"\n{key}:" in text]
-    passive = [wheel.name for wheel in spec.wheels if wheel.type in ("castor", "spherical")]
+    passive = [wheel.name for wheel in spec.wheels if not WHEEL_TYPES[wheel.type].actuated]
     if taken or passive:
         copied = " ".join([*passive, *taken])
         console.note(f"Copied from {start}, so correct or delete what your robot does not have: {copied}.")

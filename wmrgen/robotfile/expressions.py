@@ -37,23 +37,6 @@ _OPERATORS: dict[type[ast.operator], str] = {
 }
 _GRAMMAR = "An expression has numbers, parameters, pi, + - * / ** ( ) sqrt sin cos tan atan2."
 _BOTH_ENDS = "Write both ends, such as [-35 deg, 35 deg]."
-_DIRECTIONS = "A direction is an angle from x: forward is 0, left 90 deg, backward 180 deg, right -90 deg."
-_WORDS = dict.fromkeys(  # that people write in place of an angle
-    (
-        "forward",
-        "forwards",
-        "ahead",
-        "front",
-        "left",
-        "right",
-        "back",
-        "backward",
-        "backwards",
-        "rear",
-        "sideways",
-    ),
-    _DIRECTIONS,
-)
 _FUNCTION_ALIASES = {
     **dict.fromkeys(("atan", "arctan", "arctan2"), "Write atan2(y, x)."),
     **dict.fromkeys(("asin", "acos", "arcsin", "arccos"), "Write the angle with atan2(y, x)."),
@@ -66,23 +49,33 @@ class UndeclaredParameter(RobotFileError):
     """A name in an expression that is not declared under ``parameters``."""
 
 
-def parse_expression(node: Scalar, names: Collection[str]) -> Expr:
-    """Return the tree of an expression over the parameters ``names``. Raise RobotFileError if it is invalid."""
+def parse_expression(node: Scalar, names: Collection[str], instead: str = "") -> Expr:
+    """Return the tree of an expression.
+
+    Args:
+        node: The expression.
+        names: The parameters that it may use.
+        instead: What to write in place of a name that is no parameter; by default, to declare it.
+
+    Raises:
+        RobotFileError: The expression is invalid.
+    """
     if len(node.text) > MAX_CHARACTERS:
         raise node.error(
             f"an expression of {len(node.text)} characters",
             f"At most {MAX_CHARACTERS} are allowed.",
             "Split it over several parameters.",
         )
-    return _Parser(node, names).tree()
+    return _Parser(node, names, instead).tree()
 
 
 class _Parser:
     """Parses one expression: checks its tokens, builds a Python text of them, and converts Python's tree."""
 
-    def __init__(self, node: Scalar, names: Collection[str]) -> None:
+    def __init__(self, node: Scalar, names: Collection[str], instead: str) -> None:
         self._node = node
         self._names = names
+        self._instead = instead
         self._numbers: dict[int, str] = {}  # column in the Python text -> number as written
         self._columns: dict[int, int] = {}  # column in the Python text -> offset in the node
         self._text = ""
@@ -201,12 +194,11 @@ class _Parser:
             instead = (
                 f"Write the number, or declare the name with its value, such as parameters: {{{word}: 0.1}}."
             )
-        instead = _WORDS.get(word.lower(), instead)
         raise UndeclaredParameter(
             f"{quoted(word)} is not a declared parameter",
             self._node.mark_at(at),
             "A name in an expression is pi, or is declared under parameters:.",
-            f"Did you mean {near}?" if near else instead,
+            f"Did you mean {near}?" if near else self._instead or instead,
             Code.UNDECLARED,
         )
 

@@ -57,6 +57,12 @@ class Scope:
     facts: Mapping[str, Facts | None] = field(default_factory=dict)  # by parameter; None if unreadable
 
 
+# What to write in place of a word that is no angle.
+_ANGLES = (
+    "Write the angle. A direction counts from x: forward is 0, left 90 deg, backward 180 deg, right -90 deg."
+)
+
+
 def _facts(expr: Expr, declared: Mapping[str, Facts]) -> Facts:
     """Return the facts of a tree from those of its parts; ``declared`` has those of the parameters."""
     match expr:
@@ -187,7 +193,7 @@ def parse_value(node: Scalar, names: Collection[str], kind: Kind, what: str) -> 
     refuse_lookalikes(node)
     plain = plain_number(node, names, kind)
     if plain is None:
-        return parse_expression(node, names), None
+        return parse_expression(node, names, _ANGLES if kind is Kind.ANGLE else ""), None
     value, unit = plain
     if unit is None:
         return Num(value), None

@@ -80,3 +80,26 @@ def test_a_type_may_be_answered_with_the_keys_that_it_needs(wmrgen_cli: Cli, des
     assert wmrgen_cli("import", description, "-o", out, *words).code == 0
     wheel_of = wmrgen.load(out).wheel("caster")
     assert (wheel_of.type, float(wheel_of.nominal.d)) == ("castor", -0.03)
+
+
+@pytest.mark.parametrize(
+    ("name", "written"),
+    [("-left_wheel_joint", None), ("null", "null"), ("12", "'12'"), ("a/b.c", "a/b.c"), ("a: b", "'a: b'")],
+)
+def test_a_name_of_a_joint_is_text_and_no_sign(
+    tmp_path: Path, wmrgen_cli: Cli, name: str, written: str | None
+) -> None:
+    """A name that begins with a minus sign would turn the joint round in the robot file, so it is left out."""
+    robot, description = tmp_path / "a.yaml", tmp_path / "a.urdf"
+    text = "".join(
+        f"  - {{name: {side}, type: fixed, x: 0, y: {y}, heading: 0, r: 0.1}}\n"
+        for side, y in (("left", 0.2), ("right", -0.2))
+    )
+    robot.write_text(f"wmrgen: 1\nname: a\nwheels:\n{text}", encoding="utf-8")
+    assert wmrgen_cli("export", robot, "--to", "urdf", "-o", tmp_path).code == 0
+    source = description.read_text(encoding="utf-8")
+    description.write_text(source.replace("left_spin", name), encoding="utf-8")
+    assert wmrgen_cli("import", description, "-o", robot).code == 0
+    imported = robot.read_text(encoding="utf-8")
+    assert (f"joints: {{spin: {written}}}" in imported) == (written is not None)
+    assert wmrgen_cli("compare", robot, description).code == 0

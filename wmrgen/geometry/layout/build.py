@@ -359,9 +359,8 @@ def _trailer(t: TrailerSpec, scope: Scope) -> Trailer:
     return Trailer(t.name, length, scope.length(t.hitch), t.mark)
 
 
-_PARTS: dict[
-    str, Callable[[RobotSpec, Scope, list[Wheel]], Any]
-] = {  # field of Robot -> function for its value
+# Field of Robot -> function for its value.
+_PARTS: dict[str, Callable[[RobotSpec, Scope, list[Wheel]], Any]] = {
     "virtual": lambda spec, scope, wheels: tuple(_virtual(v, wheels, scope) for v in spec.virtual),
     "trailers": lambda spec, scope, _: tuple(_trailer(t, scope) for t in spec.trailers),
     "gyro": lambda spec, scope, _: spec.gyro and gyro_of(spec.gyro, scope),

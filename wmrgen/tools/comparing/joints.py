@@ -123,15 +123,15 @@ def _has_bare_name(w: Side, wanted: str) -> bool:
 
 
 def _at(a: Layout, place: str, kind: str) -> Iterator[Side]:
-    """Yield the wheels with a joint of a kind at a place, such as "fixed right"; the motors decide, if they are known.
+    """Yield the wheels with a joint of a kind at a place, such as "rigid right"; the motors decide, if they are known.
 
     Args:
         a: The robot.
-        place: Words for ends, sides, and whether the wheel is fixed or steered.
+        place: Words for ends, sides, and whether the wheel is rigid or steering.
         kind: spin or steer.
     """
     for w, word in zip(a.wheels, roles(a.wheels), strict=True):
-        own = {*word.split(), "steered" if w.kind.steers else "fixed"}
+        own = {*word.split(), "steering" if w.kind.steers else "rigid"}
         has_joint = kind in (w.kind.joints if w.actuated is None else w.actuated)
         if set(place.split()) <= own and has_joint:
             yield w

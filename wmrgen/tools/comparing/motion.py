@@ -20,8 +20,6 @@ from wmrgen.tools.comparing.record import SAME, Effect, Side, Tie
 Array = NDArray[np.float64]
 Pairs = Sequence[tuple[Side, Side]]  # wheels of the first robot, each as the second file has it
 _SEEN = 5e-4  # share of a motion: a smaller change is not reported
-# Curvature of the turn of a car times its size. So small that the angles of its wheels are in proportion to it.
-_GENTLE = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +169,8 @@ def _twists(
     asked = _asked(motion, others)
     if motion != "turn" or not _is_car(own):
         return [(asked, 1.0)]
-    ahead, bend = _asked("straight", others), _GENTLE / size
+    # So small a curvature that the angles of the wheels are in proportion to it.
+    ahead, bend = _asked("straight", others), 1e-4 / size
     return [(ahead + bend * asked, 0.5 / bend), (ahead - bend * asked, -0.5 / bend)]
 
 

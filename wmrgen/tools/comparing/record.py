@@ -29,9 +29,8 @@ class Side:
     values: Mapping[str, float]  # x y heading r d offset_y gamma, as far as the file has them
     marks: Mapping[str, Mark] = field(default_factory=dict)  # the places of the values, "" of the wheel
     actuated: tuple[str, ...] | None = None  # None if the file does not show it
-    joints: Mapping[str, JointName] = field(
-        default_factory=dict
-    )  # spin and steer, as far as the file names them
+    # Spin and steer, as far as the file names them.
+    joints: Mapping[str, JointName] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -82,9 +81,8 @@ class Layout:
     title: str = ""  # of the controller
     effective_track: tuple[float, Mark] | None = None  # of a robot that skids [m], and its place
     ties: tuple[Tie, ...] | None = None  # couplings; None if the file does not show them
-    evaluable: tuple[ControllerType, Terms] | None = (
-        None  # the controller's record and what the file gives of it
-    )
+    # The controller's record, and the terms that the file gives.
+    evaluable: tuple[ControllerType, Terms] | None = None
     distro: Distro | None = None  # whose names and formula the controller has
     limits: Mapping[str, float] = field(default_factory=dict)  # of the twist, as "vx.high" [m/s, rad/s]
 

@@ -14,7 +14,7 @@ from wmrgen.geometry.layout.records import Robot
 from wmrgen.robotfile.numbers import NUMBER
 from wmrgen.robotfile.reader import read_tree
 from wmrgen.robotfile.records import JointName, RobotSpec
-from wmrgen.robotfile.text import MAX_BYTES, Source, bytes_of, decode, printable, read_at_most
+from wmrgen.robotfile.text import MAX_BYTES, MappingNode, Source, bytes_of, decode, printable, read_at_most
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES
 from wmrgen.tools.comparing.record import (
     CONTROLLER,
@@ -39,9 +39,8 @@ from wmrgen.tools.controllers.record import ControllerType, Distro
 from wmrgen.tools.exporting.drives import limits_of
 from wmrgen.tools.importing.controllers import read_controllers
 from wmrgen.tools.importing.read import below, local, mark_of, parse_file
-from wmrgen.tools.importing.records import Controller, Description, Imported, Joint, Wheel
+from wmrgen.tools.importing.records import Controller, Imported, Joint, Wheel
 from wmrgen.tools.importing.source import description_of, pairs
-from wmrgen.tools.importing.view import Robot as View
 from wmrgen.tools.importing.wheels import import_wheels
 
 _HEADER = re.compile(r"^#define (\w+)_WHEELS \d+", re.MULTILINE)
@@ -52,7 +51,6 @@ _TRACK = re.compile(rf"^ \*   effective track ({NUMBER}) m$", re.MULTILINE)
 _MACRO = re.compile(rf"^#define (\w+)_(X|Y|RADIUS) \(?(-?{NUMBER})f?\)?(?= |$)", re.MULTILINE)
 _KEYS = {"X": "x", "Y": "y", "RADIUS": "r"}
 _ARGUMENT = re.compile(r"\$\(arg ([^()\s]+)\)")
-_WHEELS = re.compile(r"^['\"]?wheels['\"]?\s*:", re.MULTILINE)
 _LARGEST, _MOST = 8 * 1024 * 1024, 64  # bytes; wheels
 
 
@@ -116,16 +114,7 @@ def _ties(spec: RobotSpec, robot: Robot) -> tuple[Tie, ...]:
     return tuple(tie for tie in ties if len(tie.turns) > 1)
 
 
-def steering_signs(description: Description, base: str) -> dict[str, int]:
-    """Return the joints that turn about an upright axis with the sign of the axis: -1 if it points down."""
-    seen = View(description, base)
-    upright = [joint for joint in description.joints if seen.reaches(joint.child) and seen.upright(joint)]
-    return {joint.name: -1 if seen.axis(joint)[2] < 0 else 1 for joint in upright}
-
-
-def of_import(
-    robot: Imported, joints: Sequence[Joint], source: str, signs: Mapping[str, int] | None = None
-) -> Layout:
+def of_import(robot: Imported, joints: Sequence[Joint], source: str) -> Layout:
     """Return the layout of a URDF or SDF, as far as the file has it.
 
     It has no couplings if one is in doubt. Its wheels are where their joints are.
@@ -134,7 +123,6 @@ def of_import(
         robot: What was imported.
         joints: All joints of the file.
         source: The file.
-        signs: Steering joint -> -1 if its axis points down.
     """
     places = {joint.name: joint.mark for joint in joints}
     turns: dict[tuple[str, str], dict[str, float]] = {}
@@ -143,11 +131,11 @@ def of_import(
         turns.setdefault((first, joint), {first: 1.0})[second] = float(each.ratio)
     doubted = any(q.key == "equal" for q in robot.questions)
     ties = None if doubted else tuple(Tie(joint, shaft) for (_, joint), shaft in turns.items())
-    sides = tuple(_imported(w, places, signs or {}) for w in robot.wheels)
+    sides = tuple(_imported(w, places) for w in robot.wheels)
     return Layout(source, DESCRIPTION, sides, joints=frozenset(places), ties=ties)
 
 
-def _imported(wheel: Wheel, places: Mapping[str, Mark | None], signs: Mapping[str, int]) -> Side:
+def _imported(wheel: Wheel, places: Mapping[str, Mark | None]) -> Side:
     keys = ("x", "y", "heading", "r", "d", "offset_y", "gamma")
     values = {key: float(value) for key in keys if (value := getattr(wheel, key)) is not None}
     names = (wheel.name, *filter(None, (wheel.joint, wheel.steer_joint)))
@@ -155,7 +143,7 @@ def _imported(wheel: Wheel, places: Mapping[str, Mark | None], signs: Mapping[st
     marks = {"": mark} if mark else {}
     joints = {"spin": JointName(wheel.joint)} if wheel.joint else {}
     if wheel.steer_joint:
-        joints["steer"] = JointName(wheel.steer_joint, signs.get(wheel.steer_joint, 1) < 0)
+        joints["steer"] = JointName(wheel.steer_joint, wheel.steers_down)
     return Side(names, wheel.type, values, marks, wheel.actuated, joints)
 
 
@@ -252,7 +240,7 @@ def terms_of_plugin(record: ControllerType, controller: Controller, elements: Ma
         for term, (place, *_) in record.places.items():
             words = named.role.split()
             same_kind = named.steers == (term in record.steering)
-            if same_kind and words and set(place.split()) - {"fixed", "steered"} <= set(words):
+            if same_kind and words and set(place.split()) - {"rigid", "steering"} <= set(words):
                 joints[term] = (*joints.get(term, ()), NamedJoint(named.joint, named.mark))
     return Terms(numbers, joints, parameters, complete=False)
 
@@ -307,6 +295,38 @@ def _refuse_without_values(text: str, values: Mapping[str, str], name: str, has_
         )
 
 
+def _parameters(
+    path: Path, text: str, name: str, values: Mapping[str, str]
+) -> tuple[Sequence[Controller], dict[tuple[str, str], ParameterSet]]:
+    """Return the controllers of a parameter file, and their parameters by name and type.
+
+    A file with the key ``wheels`` is a robot file without its first line, ``wmrgen: 1``: it has no controllers, though
+    types of its wheels are words that types of controllers have too.
+
+    Args:
+        path: The file.
+        text: Its text, as far as it was read.
+        name: The file, for messages.
+        values: Values of ``$(arg NAME)``.
+
+    Raises:
+        RobotFileError: The file is neither a robot file nor parameters of a controller.
+    """
+    tree = read_tree(decode(bytes_of(path, MAX_BYTES + 1), name), name, ErrorCollector(), aliases=True)
+    if isinstance(tree, MappingNode) and any(key.text == "wheels" for key, _ in tree.entries):
+        return (), {}
+    controllers = read_controllers(path, values)
+    _refuse_without_values(text, values, name, bool(controllers))
+    if not controllers and ":" in text:
+        raise RobotFileError(
+            f"{name}: neither a robot file nor parameters of a wheel controller",
+            None,
+            "It has no wheels:, as robot files have, and no length or type of a controller, as wheel_separation.",
+            "Give the file that has them.",
+        )
+    return controllers, {(each.name, each.type): each for each in parameter_sets(tree, values)}
+
+
 def _layouts(
     path: Path,
     arguments: Sequence[str],
@@ -326,29 +346,14 @@ def _layouts(
     controllers: Sequence[Controller] = ()
     if text.startswith("<"):
         description = description_of(path, arguments, packages)
-        robot = import_wheels(description, base)
-        yield of_import(robot, description.joints, name, steering_signs(description, robot.base))
+        yield of_import(import_wheels(description, base), description.joints, name)
         controllers = description.controllers
         elements = _plugin_elements(path) if controllers else {}
     elif _HEADER.search(text):
         yield of_header(text, name)
     else:
         if text and not re.search(r"^\s*['\"]?wmrgen['\"]?\s*:", text, re.MULTILINE):
-            values = pairs(arguments)
-            controllers = read_controllers(path, values)
-            tree = read_tree(
-                decode(bytes_of(path, MAX_BYTES + 1), name), name, ErrorCollector(), aliases=True
-            )
-            given = {(each.name, each.type): each for each in parameter_sets(tree, values)}
-            _refuse_without_values(text, values, name, bool(controllers))
-            if not controllers and ":" in text and not _WHEELS.search(text):
-                raise RobotFileError(
-                    f"{name}: neither a robot file nor parameters of a wheel controller",
-                    None,
-                    "It has no wheels:, as robot files have, and no length or type of a controller, as"
-                    " wheel_separation.",
-                    "Give the file that has them.",
-                )
+            controllers, given = _parameters(path, text, name, pairs(arguments))
         if not controllers:
             yield of_robot(*wmrgen.read(path), name)
     for c in controllers:

@@ -28,4 +28,4 @@ def ros2_controller(kind: str) -> ControllerType | None:
 
 def gazebo_system(kind: str) -> ControllerType | None:
     """Return the record of Gazebo's system for a kind of drive; None if there is none."""
-    return next((each for each in gazebo.SYSTEMS if each.kind == kind), None)
+    return next((each for each in gazebo.TYPES if each.kind == kind), None)

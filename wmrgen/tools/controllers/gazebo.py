@@ -44,7 +44,7 @@ def ackermann(t: Numbers, twist: Twist) -> Commands:
     return result
 
 
-SYSTEMS = (
+TYPES = (
     ControllerType(
         "DiffDrive",
         "differential",
@@ -99,8 +99,8 @@ SYSTEMS = (
         },
         ackermann,
         {
-            **{name: (f"fixed {name.split('_')[0]}",) for name in _TRACTION},
-            **{name: (f"steered {name.split('_')[0]}",) for name in _STEERING},
+            **{name: (f"rigid {name.split('_')[0]}",) for name in _TRACTION},
+            **{name: (f"steering {name.split('_')[0]}",) for name in _STEERING},
         },
         {
             "wheelbase": "wheelbase",
@@ -113,4 +113,3 @@ SYSTEMS = (
         tag="ackermann-steering",
     ),
 )
-TYPES = SYSTEMS

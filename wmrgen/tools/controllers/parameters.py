@@ -16,7 +16,6 @@ _NODE = "ros__parameters"  # the key of ROS 2 above the parameters of a node
 _MANAGER = "controller_manager"  # the node of ROS 2 that has the types of all controllers
 _ANY_NODE = ("**", "*", "<<", "")  # keys for any node, and YAML's merge key
 _SUBSTITUTION = re.compile(r"\$\(arg ([^()\s]+)\)|\$[({][^(){}]*[)}]")
-_SMALLEST, _LARGEST = 1e-9, 1e9  # m, rad or factors; beyond them nothing is a length or speed of a robot
 
 Keys = tuple[str, ...]  # from the top of a file to a value
 
@@ -40,7 +39,8 @@ class Written:
         if len(text) > MAX_DIGITS or not re.fullmatch(f"[+-]?{NUMBER}", text):
             return None
         value = float(text)
-        return value if value == 0 or _SMALLEST < abs(value) < _LARGEST else None
+        # In m, rad or as a factor: beyond these nothing is a length or a speed of a robot.
+        return value if value == 0 or 1e-9 < abs(value) < 1e9 else None
 
 
 @dataclass(frozen=True, slots=True)

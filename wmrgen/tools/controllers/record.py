@@ -9,9 +9,8 @@ from typing import Literal, NamedTuple
 
 Distro = Literal["humble", "jazzy", "kilted", "rolling"]
 Numbers = Mapping[str, float]  # terms that are numbers: metres, radians, factors
-Commands = Mapping[
-    str, tuple[float, ...]
-]  # term of joints -> a command for each joint, or one for all of them
+# Term of joints -> a command for each joint, or one for all of them.
+Commands = Mapping[str, tuple[float, ...]]
 Lengths = Mapping[str, float]  # lengths of a robot [m], by the keys of comparing.quantities.lengths
 Names = Mapping[str, str]  # parameter -> term
 
@@ -51,13 +50,11 @@ class ControllerType:
     pattern: re.Pattern[str]  # of types in files
     names: Names  # the parameters of the newest release
     commands: Callable[[Numbers, Twist], Commands]
-    places: Mapping[
-        str, tuple[str, ...]
-    ]  # term of joints -> words for each joint's wheel, such as "fixed right"
+    # Term of joints -> words for each joint's wheel, such as "rigid right".
+    places: Mapping[str, tuple[str, ...]]
     lengths: Mapping[str, str] = field(default_factory=dict)  # term -> key of the robot's lengths
-    factors: Mapping[str, tuple[str, ...]] = field(
-        default_factory=dict
-    )  # term of a length -> its multipliers
+    # Term of a length -> its multipliers.
+    factors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     defaults: Numbers = field(default_factory=dict)  # of terms that a file may leave out
     own_lengths: Callable[[Numbers, Mapping[str, str], Lengths], dict[str, float]] = with_own_lengths
     older: Callable[[Mapping[str, str]], Names] = lambda texts: {}  # older names, by the file's parameters

@@ -14,7 +14,7 @@ from wmrgen.tools.controllers.record import Commands, ControllerType, Distro, Nu
 _STEERS = frozenset({"steering"})
 _READ_BOTH: frozenset[Distro] = frozenset({"jazzy"})
 _READ_OLDER: frozenset[Distro] = frozenset({"humble"})
-_FIXED, _STEERED = ("fixed right", "fixed left"), ("steered right", "steered left")
+_RIGID, _STEERED = ("rigid right", "rigid left"), ("steering right", "steering left")
 
 
 def steering_angle(t: Numbers, twist: Twist) -> float:
@@ -120,7 +120,7 @@ TYPES = (
             "steering.min_position": "steer.low",
         },
         front_wheel,
-        {"traction": ("steered",), "steering": ("steered",)},
+        {"traction": ("steering",), "steering": ("steering",)},
         {"wheelbase": "wheelbase", "radius": "radius"},
         steering=_STEERS,
     ),
@@ -130,7 +130,7 @@ TYPES = (
         _pattern("bicycle_steering_controller"),
         {**_NAMES, "traction_wheel_radius": "radius"},
         bicycle,
-        {"traction": ("fixed",), "steering": ("steered",)},
+        {"traction": ("rigid",), "steering": ("steering",)},
         {"wheelbase": "wheelbase", "radius": "radius"},
         older=older,
         reads_older=_READ_BOTH,
@@ -144,7 +144,7 @@ TYPES = (
         _pattern("tricycle_steering_controller"),
         {**_NAMES, "traction_track_width": "traction_track", "traction_wheels_radius": "radius"},
         tricycle,
-        {"traction": _FIXED, "steering": ("steered",)},
+        {"traction": _RIGID, "steering": ("steering",)},
         _LENGTHS,
         older=older,
         reads_older=_READ_BOTH,
@@ -163,7 +163,7 @@ TYPES = (
             "traction_wheels_radius": "radius",
         },
         ackermann,
-        {"traction": _FIXED, "steering": _STEERED},
+        {"traction": _RIGID, "steering": _STEERED},
         {**_LENGTHS, "steering_track": "steering_track"},
         defaults={"steering_track": 0.0},
         older=older,

@@ -44,9 +44,8 @@ class Body:
     kind: str = RIGID  # of the joint
     solid: str = ""  # the shape
     sizes: Pairs = ()
-    roles: Mapping[str, Frictions] = field(
-        default_factory=dict
-    )  # visual, collision: mu, its directions in base_link
+    # Visual and collision: mu, and its directions in the frame of the robot.
+    roles: Mapping[str, Frictions] = field(default_factory=dict)
     axes: tuple[str, ...] = ()
     limits: tuple[Pairs, ...] = ()
     leaders: Pairs = ()  # the joint that it follows by a coupling, and the ratio
@@ -170,7 +169,7 @@ def _jointed(robot: Robot, wheel: Wheel, part: str, rate: str, ends: Pairs) -> d
 
 
 def _rollers(wheel: Wheel) -> tuple[Frictions, tuple[str]]:
-    """Return the friction along the axis of the roller at the ground, in base_link, which stays upright."""
+    """Return the friction along the axis of the roller at the ground, in the frame of the robot."""
     ch, sh, cg, sg = (float(getattr(wheel.nominal, name)) for name in ("ch", "sh", "cg", "sg"))
     axis = decimals(ch * cg - sh * sg, sh * cg + ch * sg, 0)
     text = "from the rolling direction to the axis of the roller at the ground"

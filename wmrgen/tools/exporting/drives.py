@@ -93,8 +93,9 @@ def _drive_of(robot: Robot) -> Drive:
     for joint in ("spin", "steer"):
         for group in robot.together(joint, [w for w in wheels if joint in w.kind.joints]):
             _none(group[1:], f"has its {joint} coupled to that of {quoted(group[0].name)}")
-    reversed_joints = [w for w in wheels if any(w.joint_name(joint).reversed for joint in w.actuated)]
-    _none(reversed_joints, "has a joint that turns the other way, and controllers reverse none")
+    for joint in ("spin", "steer"):
+        reverses = [w for w in wheels if joint in w.actuated and w.joint_name(joint).reversed]
+        _none(reverses, f"has a {joint} joint that turns the other way, and controllers reverse none")
     rolling = [w for w in wheels if w.kind.rolls_across]
     steered = [w for w in wheels if w.turns]
     fixed = [w for w in wheels if not w.turns and not w.kind.rolls_across]

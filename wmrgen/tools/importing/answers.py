@@ -14,9 +14,8 @@ from wmrgen.robotfile.text import MappingNode, Node, Scalar, SequenceNode, quote
 from wmrgen.tools.importing.records import SUPPORT, Imported, Question
 
 Answers = Mapping[str, str]  # by WHEEL.KEY
-_VALUE = re.compile(
-    r"[A-Za-z0-9_.+*/() -]+|\[[A-Za-z0-9_.+*/(), -]*\]"
-)  # words, expressions and lists of them
+# Words, expressions and lists of them.
+_VALUE = re.compile(r"[A-Za-z0-9_.+*/() -]+|\[[A-Za-z0-9_.+*/(), -]*\]")
 
 
 def read_answers(words: Iterable[str]) -> Answers:

@@ -22,7 +22,7 @@ from wmrgen.tools.importing.records import DIGITS, MODEL, SUPPORT, Imported, Que
 _SAME = 1e-9  # [rad]
 _WIDTH = 100
 _KINDS_OF_JOINT = re.compile("((?i:_(joint|link|wheel|spin|axle|hinge))|Joint|Link|Wheel|Spin|Axle|Hinge)+$")
-_UNQUOTED = re.compile("-?[A-Za-z0-9_./-]+")  # what YAML reads as it is in a mapping
+_UNQUOTED = re.compile("-?[A-Za-z_/][A-Za-z0-9_./-]*")  # what YAML reads as text in a mapping
 _MOST = 28  # characters, which leave room for a number
 
 
@@ -58,7 +58,7 @@ def text(robot: Imported, source: str) -> str:
         )
     lines += ["wmrgen: 1", f"name: {near_robot_name(robot.name)}"]
     if robot.base not in (MODEL, DEFAULT_FRAME) and is_outer_name(robot.base):
-        lines.append(f"frame: {robot.base}")
+        lines.append(f"frame: {_as_yaml(robot.base)}")
     if robot.effective_track:
         track, said = robot.effective_track
         lines += _comment(f"It turns by skidding: {said}")
@@ -148,10 +148,15 @@ def _joints(wheel: Wheel) -> str:
     """Return the names of the wheel's joints as YAML; "" if all are as they would be without this key."""
     entries = []
     for joint, name in wheel.joints.items():
-        written = name if _UNQUOTED.fullmatch(name) else f"'{name}'"
-        if joint in WHEEL_TYPES[wheel.type].joints and is_outer_name(name.removeprefix("-")):
-            entries += [f"{joint}: {written}"] * (name != f"{wheel.name}_{joint}")
+        own = (wheel.steer_joint if joint == "steer" else wheel.joint) or ""
+        if joint in WHEEL_TYPES[wheel.type].joints and is_outer_name(own):
+            entries += [f"{joint}: {_as_yaml(name)}"] * (name != f"{wheel.name}_{joint}")
     return "{" + ", ".join(entries) + "}" if entries else ""
+
+
+def _as_yaml(name: str) -> str:
+    """Return a name as YAML, with quotes if it needs them."""
+    return name if _UNQUOTED.fullmatch(name) else f"'{name}'"
 
 
 def _length(value: Fraction) -> str:

@@ -14,9 +14,8 @@ from wmrgen.tools.importing.view import EVEN, Candidate, Robot
 
 UNSAID = "not in the file"
 _SAYS_ROLLERS = re.compile("mecanum|omni", re.IGNORECASE)
-_MACRO_OF_ROLLERS = re.compile(
-    "mecanum|omni_?wheel", re.IGNORECASE
-)  # a macro omni_camera says nothing of wheels
+# A macro omni_camera says nothing of wheels.
+_MACRO_OF_ROLLERS = re.compile("mecanum|omni_?wheel", re.IGNORECASE)
 _MOVES_ANY_WAY = re.compile("planar_?move", re.IGNORECASE)  # simulators move cars and tracks so, too
 _MOST = 4  # wheels with rollers, where nothing but how they move says them
 

@@ -20,11 +20,10 @@ from wmrgen.robotfile.text import printable
 from wmrgen.tools.importing.read import Place, Text, parse, placed, refuse
 from wmrgen.tools.importing.xacro import PLACE, Resolved, resolve_here
 
-# [s] the largest descriptions of the collection (PR2, Axebot) take 2 s on a slow machine
+# [s] The largest descriptions of the collection (PR2, Axebot) take 2 s on a slow machine.
 LONGEST = 60.0
-MOST_MEMORY = (
-    1 << 30
-)  # [bytes] of address space: a PR2 takes a third of it, most of which are shared libraries
+# [bytes] of address space. A PR2 takes a third of it, most of which are shared libraries.
+MOST_MEMORY = 1 << 30
 _CODE = (
     "import sys; sys.path[:] = {path!r}; from wmrgen.tools.importing.xacro_process import answer; "
     "sys.stdout.write(answer(sys.stdin.read()))"
@@ -56,18 +55,20 @@ def resolve(
     if printed is None:
         what = f"{name}: xacro takes longer than {longest:g} s"
         raise refuse(what, "It was stopped.", "Look for a loop or a large power in an expression.")
-    told: dict[str, Any] = json.loads(printed)
-    if "environment" in told:
-        raise EnvironmentFailure(told["environment"])
-    if "error" in told:
-        mark = told.pop("mark")
-        raise RobotFileError(told["error"], mark and Mark(*mark), told["why"], told["instead"], told["code"])
-    root = parse(told["urdf"].encode(), printable(str(file)))
-    texts = [Text(data.encode("latin-1"), path) for path, data in told["texts"]]
+    reply: dict[str, Any] = json.loads(printed)
+    if "environment" in reply:
+        raise EnvironmentFailure(reply["environment"])
+    if "error" in reply:
+        mark = reply.pop("mark")
+        raise RobotFileError(
+            reply["error"], mark and Mark(*mark), reply["why"], reply["instead"], reply["code"]
+        )
+    root = parse(reply["urdf"].encode(), printable(str(file)))
+    texts = [Text(data.encode("latin-1"), path) for path, data in reply["texts"]]
     for element in placed(root):
-        place = told["places"].get(element.attrib.pop(PLACE, ""))
+        place = reply["places"].get(element.attrib.pop(PLACE, ""))
         element.place = place and Place(texts[place[0]], place[1], place[2])
-    return root, told["called"], told["notes"]
+    return root, reply["called"], reply["notes"]
 
 
 def answer(asked: str) -> str:

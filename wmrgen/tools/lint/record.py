@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from itertools import combinations
 from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
@@ -13,14 +12,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from wmrgen.analysis.mobility import Mobility
-from wmrgen.errors import Mark, UsageError, message
+from wmrgen.errors import Mark, message
 from wmrgen.geometry.layout.expressions import Scope
 from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.robotfile.records import Quantity, RobotSpec, WheelSpec
-from wmrgen.robotfile.text import quoted
 
 if TYPE_CHECKING:
-    from wmrgen.robotfile.mistakes import Mistake
+    pass
 
 _IGNORED = re.compile(r"#\s*wmrgen:\s*ignore\s+(WMR\d+(?:[,\s]+WMR\d+)*)")
 
@@ -159,11 +157,3 @@ def ignored(mark: Mark) -> list[str]:
     """Return the codes in the comment ``# wmrgen: ignore WMR012`` of a line."""
     match = _IGNORED.search(mark.text)
     return re.findall(r"WMR\d+", match[1]) if match else []
-
-
-def rule_called(code: str, rules: Mapping[str, Rule | Mistake]) -> Rule | Mistake:
-    """Return the rule or mistake with a code, in upper or lower case. Raise UsageError if there is none."""
-    if code.upper() not in rules:
-        near = "".join(f" Did you mean {c}?" for c in get_close_matches(code.upper()[:20], rules, 1))
-        raise UsageError(f"{quoted(code)} is not the code of a rule.{near} `wmrgen explain` lists them.")
-    return rules[code.upper()]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import asdict
-from math import degrees, isfinite
+from math import degrees, inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,7 +13,9 @@ import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Robot, argument, flag, option, output, verb
 from wmrgen.cli.loading import print_notes
+from wmrgen.cli.values import from_words
 from wmrgen.errors import UsageError
+from wmrgen.geometry.ports import Port, Role
 from wmrgen.robotfile.text import bytes_of
 
 if TYPE_CHECKING:
@@ -48,6 +50,13 @@ def calibrate(
     one_clock: Annotated[
         bool, flag("--one-clock", "Log and reference share a clock: estimate no time offset.")
     ] = False,
+    mount: Annotated[
+        str | None,
+        option("Place and heading of the tracked body on the robot, if they are known.", "X,Y,THETA"),
+    ] = None,
+    start_error: Annotated[
+        float, option("Standard deviation of each first reference pose [m]: the robot starts at a mark.", "M")
+    ] = inf,
     workers: Annotated[int, option("Read the logs in so many processes.", "N")] = 1,
     scheduler: Annotated[
         str | None, option("Read the logs on the Dask cluster of this scheduler.", "ADDRESS")
@@ -82,7 +91,10 @@ def calibrate(
         step(f"calibrating {derivation.robot.name} with {len(logs)} files")
         every = cluster(scheduler) if scheduler else pool(workers) if workers > 1 else nullcontext(serial)
         with every as mapped:
-            result = estimate(derivation, logs, truth or (), one_clock, mapped)
+            result = estimate(
+                derivation, logs, truth or (), one_clock=one_clock, mount=_mount(mount), start_error=start_error,
+                mapped=mapped,
+            )  # fmt: skip
         good = result.verdict is None or result.verdict.better
         if good:
             _write(robot, derivation, result, out, files)
@@ -97,6 +109,17 @@ def calibrate(
         if more is not None:
             _show_plan(*more, precision, False)
     return 0 if good else 1
+
+
+def _mount(text: str | None) -> tuple[float, float, float] | None:
+    """Return x, y [m] and heading [rad] of a text like ``0.1,-20 mm,90 deg``."""
+    if text is None:
+        return None
+    words = text.split(",")
+    if len(words) != len(_MOUNT):
+        raise UsageError(f"--mount {text} is not X,Y,THETA, such as 0.1,-20 mm,90 deg")
+    case = from_words([f"{port.name}={word}" for port, word in zip(_MOUNT, words, strict=True)], _MOUNT)
+    return float(case["x"]), float(case["y"]), float(case["theta"])
 
 
 def _write(
@@ -117,11 +140,11 @@ def _write(
 
     values = new_values(result)
     if out is not None:
-        write_file(out, with_values(robot, values).encode())
+        write_file(out, with_values(robot, values, result.joint_noise).encode())
     if folder is None:
         return
     name = derivation.robot.name
-    write_file(folder / robot.name, with_values(robot, values).encode())
+    write_file(folder / robot.name, with_values(robot, values, result.joint_noise).encode())
     write_file(folder / f"{name}_calibration.svg", picture(result).encode())
     nominal = {p.name: float(p.nominal) for p in derivation.robot.tunable}
     if header := c_values(derivation.c_module, nominal | values):
@@ -150,6 +173,7 @@ def _as_data(derivation: Derivation, result: Calibration) -> dict[str, Any]:
         "mount": {name: asdict(e) for name, e in result.mount.items()},
         "clocks": {name: asdict(e) for name, e in result.clocks.items()},
         "noise": {name: getattr(result.noise, name) ** 0.5 for name in _NOISE},
+        "joint_noise": None if result.joint_noise is None else asdict(result.joint_noise),
         "slips": [asdict(slip) for slip in result.slips],
         "turns": result.turns if isfinite(result.turns) else None,
         "alternatives": [asdict(other) for other in result.alternatives],
@@ -163,6 +187,7 @@ def _as_data(derivation: Derivation, result: Calibration) -> dict[str, Any]:
     }
 
 
+_MOUNT = [Port("x", Role.STATE, "m"), Port("y", Role.STATE, "m"), Port("theta", Role.STATE, "rad")]
 _NOISE = ("position_walk", "heading_walk", "position", "heading")
 
 

@@ -7,10 +7,10 @@ and compare odometry on the logs that were left out with nominal odometry.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
+from math import inf
 
 import numpy as np
 
@@ -24,12 +24,13 @@ from wmrgen.ir.lower import lower
 from wmrgen.tools.calibration import diagnoses, estimator, noise, slips, start, turns
 from wmrgen.tools.calibration.errors import Errors, drawn, errors
 from wmrgen.tools.calibration.estimator import PRIOR, Fit
-from wmrgen.tools.calibration.logs import Log, check, thinned, unique_names
+from wmrgen.tools.calibration.joint_noise import JointNoise, joint_noise
+from wmrgen.tools.calibration.logs import Log, check, thinned
 from wmrgen.tools.calibration.model import MOUNT, Problem
 from wmrgen.tools.calibration.noise import Covariance, Noise
 from wmrgen.tools.calibration.observability import CLOCK, groups, split
 from wmrgen.tools.calibration.path import Increments, Reals
-from wmrgen.tools.calibration.reading import pairs, read
+from wmrgen.tools.calibration.reading import Recording, Source, read, recordings
 from wmrgen.tools.calibration.slips import Slip
 from wmrgen.tools.calibration.turns import Hypothesis
 from wmrgen.tools.calibration.workers import Map, serial
@@ -85,6 +86,7 @@ class Calibration:
     unobservable: tuple[tuple[str, ...], ...]  # parameters that are determined only together, or not at all
     covariance: Reals  # (P, P) of the parameters, in SI units
     noise: Noise
+    joint_noise: JointNoise | None  # None: odometry shows no random walk
     slips: tuple[Slip, ...]
     turns: float  # in the rotation that is least certain; nan where no number was in doubt
     alternatives: tuple[Alternative, ...]
@@ -127,58 +129,56 @@ def counts_per_turn(robot: Robot) -> dict[str, float]:
 
 
 def calibrate(
-    derivation: Derivation,
-    logs: Sequence[Path],
-    references: Sequence[Path] = (),
+    robot: Robot | Derivation,
+    logs: Sequence[Source],
+    references: Sequence[Source] = (),
+    *,
     one_clock: bool = False,
+    mount: tuple[float, float, float] | None = None,
+    start_error: float = inf,
     mapped: Map = serial,
 ) -> Calibration:
-    """Estimate a robot's parameters from log files.
+    """Estimate the tunable parameters of a robot from logs of drives.
 
     Args:
-        derivation: The robot.
-        logs: CSV files of joint readings.
-        references: CSV files of reference poses; by default those beside the logs.
+        robot: The robot, or its derivation.
+        logs: Joint readings of each drive: the path of a CSV file, or a mapping or data frame with the same columns,
+            ``t`` [s] and ``<wheel>.angle`` [rad], ``.counts`` or ``.spin`` [rad/s], ``<wheel>.steer`` [rad].
+        references: Reference poses of each drive, with the columns ``t`` [s] and any of ``x``, ``y`` [m] and ``theta``
+            [rad]; by default the files ``NAME.truth.csv`` beside the logs.
         one_clock: Whether each log and its reference poses have the same clock.
-        mapped: Where the logs are read.
+        mount: Place x, y [m] and heading [rad] of the tracked body on the robot, if they are known.
+        start_error: Standard deviation [m] of each first reference pose, if the robot started at a mark.
+        mapped: Where the logs are read: `serial`, or what `pool` or `cluster` of `workers` yields.
 
     Returns:
         The calibration.
+
+    Raises:
+        UsageError: A log cannot be read, or no likely parameters explain the logs.
     """
+    if not start_error > 0:
+        raise UsageError(f"the deviation of a first pose is {start_error:g} m: it has to be above 0")
+    derivation = robot if isinstance(robot, Derivation) else Derivation(robot)
     increments, nominal = increments_of(derivation)
-    counts = counts_per_turn(derivation.robot)
-    files = pairs(logs, references)
-    names = unique_names([log.stem for log, _ in files])
-    load = partial(_loaded, increments=increments, nominal=nominal, counts=counts)
-    every = mapped(load, [(name, *pair) for name, pair in zip(names, files, strict=True)])
-    return of_logs(derivation.robot, increments, nominal, every, one_clock)
-
-
-def _loaded(
-    file: tuple[str, Path, Path], increments: Increments, nominal: Reals, counts: Mapping[str, float]
-) -> Log:
-    """Read and thin a log, given its name, its file and that of its reference poses."""
-    name, log, reference = file
-    return thinned(replace(read(log, reference, increments.joints, counts), name=name), increments, nominal)
-
-
-def of_logs(
-    robot: Robot, increments: Increments, nominal: Reals, logs: Iterable[Log], one_clock: bool = False
-) -> Calibration:
-    """Estimate a robot's parameters from thinned logs.
-
-    Args:
-        robot: The robot.
-        increments: Its odometry.
-        nominal: (P,) parameters.
-        logs: Thinned.
-        one_clock: Whether each log and its reference poses have the same clock.
-    """
-    every = tuple(map(check, logs))
+    load = partial(_loaded, increments=increments, nominal=nominal, counts=counts_per_turn(derivation.robot))
+    every = tuple(map(check, mapped(load, recordings(logs, references))))
+    free = np.eye(len(nominal) + MOUNT)
     problem = Problem(
-        increments, nominal, every, tuple(start.whole(log) for log in every),
-        free=np.eye(len(nominal) + MOUNT), clocks=(not one_clock,) * len(every),
+        increments, nominal, every, tuple(start.whole(log) for log in every), mount=mount or (0.0, 0.0, 0.0),
+        start_error=start_error, free=free if mount is None else free[:, :-MOUNT],
+        clocks=(not one_clock,) * len(every),
     )  # fmt: skip
+    return of_problem(derivation.robot, problem)
+
+
+def _loaded(recording: Recording, increments: Increments, nominal: Reals, counts: Mapping[str, float]) -> Log:
+    """Return a log, read and thinned."""
+    return thinned(read(recording, increments.joints, counts), increments, nominal)
+
+
+def of_problem(robot: Robot, problem: Problem) -> Calibration:
+    """Estimate a robot's parameters from thinned logs."""
     tried = [(settled(begun(replace(problem, logs=h.logs), h.shift)), h) for h in turns.hypotheses(problem)]
     # One scale for all, and the largest: a fit of few poses may meet them by chance, and that is no evidence.
     scale = max(found.fit.problem.scale for found, _ in tried)
@@ -187,14 +187,15 @@ def of_logs(
     diagnoses.refuse(found.fit, partial(_refitted, problem))
     alternatives = _alternatives(tried, deviances, chosen)
     parameters, mount, clocks = _estimates(robot, found)
-    count = len(nominal)
+    count = len(problem.nominal)
     spread = found.fit.problem.units[:count]
     shared, origin = found.fit.state.shared, found.fit.problem.origin
     offsets = [float(own[0]) for own in found.fit.state.own]
-    indices = range(len(every))
+    indices = range(len(problem.logs))
     return Calibration(
         found.fit, parameters, mount, clocks, _unobservable(robot, found),
-        found.covariance.shared[:count, :count] * spread * spread[:, None], found.noise, found.slips,
+        found.covariance.shared[:count, :count] * spread * spread[:, None], found.noise,
+        joint_noise(found.fit, found.noise), found.slips,
         chosen.turns, alternatives,
         errors([drawn(found.fit.problem, i, origin, offsets[i]) for i in indices]),
         errors([drawn(found.fit.problem, i, shared, offsets[i]) for i in indices]),
@@ -211,7 +212,8 @@ def begun(problem: Problem, shift: Reals | None = None) -> Fit:
     """
     count = len(problem.nominal)
     values = problem.nominal.copy() if shift is None else problem.nominal + problem.units[:count] * shift
-    problem = replace(problem, turned=start.turned(problem, values))
+    if problem.free[count:].any():  # the mount is not known
+        problem = replace(problem, mount=(0.0, 0.0, start.turned(problem, values)))
     shared, no_clocks = np.concatenate([values, problem.origin[count:]]), np.zeros(len(problem.logs))
     legs = tuple(start.whole(log, SHORT) for log in problem.logs)
     short = replace(problem, legs=legs, clocks=(False,) * len(problem.logs))

@@ -6,7 +6,7 @@ whatever ends first. That keeps what the estimator needs. Everything after readi
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -111,12 +111,6 @@ def steps_at(t: Reals, at: Reals) -> tuple[Indices, Reals]:
     """Return the step of a log that each time ``at`` falls into, and the share of the step that is over."""
     step = np.clip(np.searchsorted(t, at, "right") - 1, 0, len(t) - 2)
     return step, (at - t[step]) / (t[step + 1] - t[step])
-
-
-def unique_names(names: Sequence[str]) -> list[str]:
-    """Return names of logs, equal ones with numbers: logs of several folders may be called alike."""
-    again = [names[:i].count(name) for i, name in enumerate(names)]
-    return [f"{name} ({k + 1})" if k else name for name, k in zip(names, again, strict=True)]
 
 
 def check(log: Log) -> Log:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from wmrgen.tools.calibration.logs import Log, Poses, steps_at
+from wmrgen.tools.calibration.logs import Booleans, Log, Poses, steps_at
 from wmrgen.tools.calibration.path import Complexes, Increments, Indices, Path, Reals
 
 LEVER = 0.15  # [m] a heading's residual is this times its error: about the half track of small robots
@@ -36,7 +36,10 @@ class Problem:
     nominal: Reals  # (P,)
     logs: tuple[Log, ...]
     legs: tuple[Reals, ...]  # (L, 2) of each log: first and last time [s] of each leg
-    turned: float = 0.0  # [rad] about how far the tracked body is turned on the robot
+    mount: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m, m, rad] of the tracked body, before any log
+    start_error: float = (
+        np.inf
+    )  # [m] deviation of each log's first reference pose from where the robot started
     scale: float = 0.01  # [m] residuals far above it count by their size
     free: Reals = field(
         default_factory=lambda: np.zeros((0, 0))
@@ -51,7 +54,7 @@ class Problem:
     @property
     def origin(self) -> Reals:
         """The shared unknowns before any log."""
-        return np.array([*self.nominal, 0.0, 0.0, self.turned])
+        return np.array([*self.nominal, *self.mount])
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +74,7 @@ class Rows:
     values: Reals  # (3, n) [m] x, y and heading
     by: Reals  # (3, n, S + own) derivatives by the shared unknowns, in units, and by the log's own
     weights: Reals  # (3, n), 0 of what was not measured
+    known: Booleans  # (n,) whether a pose is the log's first one and `start_error` is given
     place: Complexes  # (n,) [m] of the tracked point
     heading: Reals  # (n,) [rad] of the robot
     leg: Indices  # (n,)
@@ -130,10 +134,13 @@ def rows(problem: Problem, index: int, shared: Reals, own: Reals) -> Rows:
     by = np.array([place_by.real.T, place_by.imag.T, LEVER * heading_by.T])
     measured = np.isfinite(values)
     lasts = np.minimum(np.diff(poses.t, append=poses.t[-1:] + WEIGHT) / WEIGHT, 1.0)
+    known = (poses.t == log.poses.t[0]) & (problem.start_error < np.inf)
+    lasts[known] = (problem.scale / problem.start_error) ** 2
     joints, joints_by = _joint_rows(problem, log, legs, shared[:count])
     return Rows(
-        np.where(measured, values, 0.0), by, measured * lasts, place, heading, leg, at, joints, joints_by
-    )
+        np.where(measured, values, 0.0), by, measured * lasts, known, place, heading, leg, at, joints,
+        joints_by,
+    )  # fmt: skip
 
 
 def _in_legs(log: Log, legs: Reals, clock: float) -> tuple[Poses, Indices]:

@@ -193,8 +193,10 @@ def _gradient_covariance(fit: Fit, index: int, one: Rows, level: Noise, joints: 
     effective = one.weights / np.sqrt(1 + (one.values / scale) ** 2) / scale**2
     x, y, theta = effective[..., None] * one.by  # (n, k) each: the gradient by an error of one residual
     theta = LEVER * theta
-    result = level.most_position * (x.T @ x + y.T @ y) + level.most_heading * (theta.T @ theta)
     problem, count = fit.problem, len(fit.problem.nominal)
+    position = np.where(one.known, problem.start_error**2, level.most_position)[:, None]
+    heading = np.where(one.known, (problem.start_error / LEVER) ** 2, level.most_heading)[:, None]
+    result = x.T @ (position * x) + y.T @ (position * y) + theta.T @ (heading * theta)
     log = problem.logs[index]
     total = distance(problem.increments.alone.path(log.columns, fit.state.shared[:count]))
     travelled = np.interp(one.at, log.t, total)

@@ -18,7 +18,7 @@ def notes(robot: Robot, result: Calibration) -> list[str]:
     """Return the sentences."""
     return [
         *_turns(result), *_open(result), *_mount(result), *_clocks(result), *_slips(result), *_folds(result),
-        *_ranges(robot, result),
+        *_noise(result), *_ranges(robot, result),
     ]  # fmt: skip
 
 
@@ -55,7 +55,7 @@ def _and(names: Sequence[str]) -> str:
 
 
 def _mount(result: Calibration) -> list[str]:
-    if not all(e.observable for e in result.mount.values()):
+    if not all(e.sigma for e in result.mount.values()):  # None: not determined, 0: known
         return []
     x, y, theta = (result.mount[name].value for name in ("x", "y", "theta"))
     return [
@@ -95,6 +95,16 @@ def _folds(result: Calibration) -> list[str]:
     return [
         f"Without some drives, the others do not determine {', '.join(result.verdict.blind)}. "
         "Those do not count in the verdict."
+    ]
+
+
+def _noise(result: Calibration) -> list[str]:
+    if result.joint_noise is None:
+        return []
+    share, step = result.joint_noise.proportional, result.joint_noise.step
+    return [
+        f"Odometry errs as if each wheel speed were {100 * share:.2g} % off, at random every {step:.2g} s: "
+        f"noise: {{spin: {{proportional: {share:.3g}}}}}."
     ]
 
 

@@ -1,13 +1,16 @@
-"""CSV files of numbers with a header: columns by name, and what is no such file, by line."""
+"""Tables of numbers: CSV files with a header, mappings and data frames, and what is wrong with them, by row."""
 
 from __future__ import annotations
 
 import csv
 import re
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,12 +22,70 @@ _HEADING = re.compile(r"(?i).*(yaw|heading|theta|bearing|azimuth|orientation|qua
 _QUATERNION = ", which is atan2(2 (w z + x y), 1 - 2 (y^2 + z^2)) of a quaternion"
 
 
-def table_of(path: Path, empty: bool) -> dict[str, Reals]:
-    """Columns by name. ``empty``: a cell may be empty, which is nan."""
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Columns of numbers by name, and where they come from."""
+
+    where: str  # a file, or the number of a log
+    columns: dict[str, Reals]
+    lined: bool  # whether it is a file, with a header in line 1
+
+    def place(self, row: int) -> str:
+        """Return where a row is, counted from 0."""
+        return f"{self.where}:{row + 2}" if self.lined else f"{self.where}, row {row}"
+
+
+def table_of(source: Any, where: str, empty: bool) -> Table:
+    """Return the table that a path, a mapping or a data frame stands for.
+
+    Args:
+        source: The path of a CSV file; or what gives columns by their names.
+        where: What messages call it.
+        empty: Whether a cell may be empty, which is nan.
+
+    Returns:
+        The table. UsageError if it is none.
+    """
+    if isinstance(source, str | PathLike):
+        return _checked(Table(where, _columns(Path(source), empty), True), empty)
+    names = [str(name) for name in getattr(source, "columns", source)]
+    _check_header(where, names)
+    try:
+        columns = {name: np.array(source[name], dtype=float) for name in names}
+        lengths = {column.shape for column in columns.values()}
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"{where}: it is no table of numbers: {error}") from None
+    if len(lengths) > 1 or any(len(shape) != 1 for shape in lengths):
+        raise UsageError(f"{where}: its columns have the shapes {', '.join(map(str, sorted(lengths)))}")
+    return _checked(Table(where, columns, False), empty)
+
+
+def _checked(table: Table, empty: bool) -> Table:
+    """Return the table; UsageError if a number is missing, or t does not rise."""
+    t = table.columns["t"]
+    if len(t) < 2:
+        raise UsageError(f"{table.where}: at least two rows are needed; it has {len(t)}")
+    for name, column in table.columns.items():
+        bad = ~np.isfinite(column) if name == "t" or not empty else np.isinf(column)
+        if bad.any():
+            row = int(np.argmax(bad))
+            raise UsageError(f"{table.place(row)}: {name} is {column[row]}: delete or mend that row")
+    falls = np.diff(t) <= 0
+    if falls.any():
+        row = int(np.argmax(falls))
+        raise UsageError(
+            f"{table.place(row + 1)}: t does not rise: {t[row + 1]:.15g} after {t[row]:.15g}; sort the rows, and leave "
+            "doubles out"
+        )
+    return table
+
+
+def _columns(path: Path, empty: bool) -> dict[str, Reals]:
+    """Return the columns of a CSV file by name."""
     try:
         with path.open(encoding="utf-8-sig") as stream:
             header = [name.strip() for name in next(csv.reader(stream), [])]
-            _check_header(path, header)
+            _check_header(f"{path}:1", header)
             numbers = np.empty((0, 0))
             with warnings.catch_warnings(action="ignore"), suppress(ValueError):  # which are told by line
                 numbers = np.loadtxt(stream, delimiter=",", ndmin=2)
@@ -34,32 +95,24 @@ def table_of(path: Path, empty: bool) -> dict[str, Reals]:
         raise UsageError(f"{path}: it is no text in UTF-8: save it as CSV in UTF-8") from None
     except (OSError, csv.Error) as error:
         raise UsageError(f"{path}: it cannot be read: {error}") from None
-    if len(numbers) < 2:
-        raise UsageError(f"{path}: at least two rows are needed below the header; it has {len(numbers)}")
-    bad = np.isinf(numbers) | (np.isnan(numbers) & [not empty or name == "t" for name in header])
-    if bad.any():
-        row, column = (int(i[0]) for i in np.nonzero(bad))
-        raise UsageError(
-            f"{path}:{row + 2}: {header[column]} is {numbers[row, column]}: delete or mend that row"
-        )
     return dict(zip(header, numbers.T.copy(), strict=True))
 
 
-def _check_header(path: Path, header: Sequence[str]) -> None:
-    """Refuse a header without a column t, and one in which a name stands twice."""
+def _check_header(where: str, header: Sequence[str]) -> None:
+    """Refuse columns without t, and a name that stands twice."""
     reads = ",".join(header)[:200]
     if "t" not in header:
         raise UsageError(
-            f"{path}:1: the header has no column t [s]; it reads {reads or 'nothing'}{_instead(header)}"
+            f"{where}: there is no column t [s]; the columns are {reads or 'none'}{_instead(header)}"
         )
     if not header[-1]:
-        raise UsageError(f"{path}:1: the last column has no name in {reads}: is there a comma too many?")
+        raise UsageError(f"{where}: the last column has no name in {reads}: is there a comma too many?")
     if len(set(header)) < len(header):
-        raise UsageError(f"{path}:1: a column stands twice in {reads}")
+        raise UsageError(f"{where}: a column stands twice in {reads}")
 
 
 def _instead(header: Sequence[str]) -> str:
-    """What to do about a ``header`` without a column t."""
+    """Return what to do about a header without a column t."""
     first = header[0] if header else ""
     if re.match(r"#?\s*t\s*[;|\s]\s*\w", first):
         return _COMMAS
@@ -71,7 +124,7 @@ def _instead(header: Sequence[str]) -> str:
 
 
 def _by_line(path: Path, header: Sequence[str], empty: bool) -> Reals:
-    """Rows one by one, for a file with empty cells, or to find the line that is wrong."""
+    """Return rows read one by one: for a file with empty cells, or to find the line that is wrong."""
     rows = []
     with path.open(encoding="utf-8-sig", newline="") as stream:
         reader = csv.reader(stream)
@@ -90,7 +143,15 @@ def _by_line(path: Path, header: Sequence[str], empty: bool) -> Reals:
 
 
 def _number(path: Path, line: int, name: str, cell: str, empty: bool) -> float:
-    """A cell of the column ``name``."""
+    """Return a cell as a number.
+
+    Args:
+        path: The file, for messages.
+        line: The row's line.
+        name: The column's name.
+        cell: The text.
+        empty: Whether it may be empty, which is nan.
+    """
     if empty and not cell.strip():
         return float("nan")
     try:
@@ -101,28 +162,15 @@ def _number(path: Path, line: int, name: str, cell: str, empty: bool) -> float:
         raise UsageError(f"{path}:{line}: {name} is {cell!r}, which is no number: {hint}") from None
 
 
-def times_of(path: Path, table: Mapping[str, Reals]) -> Reals:
-    """The column t, which has to rise, and be in seconds."""
-    t = table["t"]
-    step = np.diff(t)
-    if not np.all(step > 0):
-        row = int(np.argmin(step > 0))
-        raise UsageError(
-            f"{path}:{row + 3}: t does not rise: {t[row + 1]:.15g} after {t[row]:.15g}; sort the rows, and leave "
-            "doubles out"
-        )
-    return t
-
-
-def without_other_headings(path: Path, table: Mapping[str, Reals]) -> None:
-    """Refuse a truth whose headings stand in columns that nothing reads."""
-    others = [name for name in table if _HEADING.fullmatch(name)]
-    if "theta" in table or not others:
+def without_other_headings(table: Table) -> None:
+    """Refuse reference poses whose headings stand in columns that nothing reads."""
+    others = [name for name in table.columns if _HEADING.fullmatch(name)]
+    if "theta" in table.columns or not others:
         return
     quaternion = _QUATERNION * any(
         name.lower().endswith("w") and "yaw" not in name.lower() for name in others
     )
     raise UsageError(
-        f"{path}:1: {', '.join(others)} would be left unread: write the heading as theta [rad]{quaternion}, or delete "
-        "what is no heading"
+        f"{table.where}: {', '.join(others)} would be left unread: write the heading as theta [rad]{quaternion}, or "
+        "delete what is no heading"
     )

@@ -13,6 +13,7 @@ from wmrgen.ir.nodes import Module
 from wmrgen.robotfile.load import read_robot
 from wmrgen.robotfile.records import Quantity
 from wmrgen.tools.calibration.calibrate import Calibration
+from wmrgen.tools.calibration.joint_noise import JointNoise
 from wmrgen.tools.exporting.ros2_control import ros2_control
 
 
@@ -25,10 +26,16 @@ def new_values(result: Calibration) -> dict[str, float]:
     return {name: e.value for name, e in result.parameters.items() if e.value != e.nominal}
 
 
-def with_values(path: Path, values: Mapping[str, float]) -> str:
+def with_values(path: Path, values: Mapping[str, float], noise: JointNoise | None = None) -> str:
     """Return the text of a robot file with other values of its parameters, every other character as it was.
 
-    ``values`` are in m and rad. A range that a value leaves is widened to it.
+    A range that a value leaves is widened to it. The noise of wheel speeds replaces its share, if the file has one; a
+    file without `noise` gets a line.
+
+    Args:
+        path: The robot file.
+        values: Of some parameters, in m and rad.
+        noise: Of wheel speeds; None: as it is in the file.
     """
     lines = path.read_bytes().decode("utf-8").split("\n")
     spec = read_robot(path)
@@ -41,6 +48,14 @@ def with_values(path: Path, values: Mapping[str, float]) -> str:
             changes.append((p.value, text))
             if p.range is not None and side:
                 changes.append((p.range[side > 0], text))
+    shares = [n.proportional for n in spec.noise if n.joint == "spin" and n.proportional is not None]
+    if noise is not None and shares:
+        changes.append((shares[0], f"{noise.proportional:.3g}"))
+    elif noise is not None and not spec.noise:
+        while lines and not lines[-1].strip():
+            lines.pop()
+        share = f"noise: {{spin: {{proportional: {noise.proportional:.3g}}}}}"
+        lines += [f"{share}  # of readings every {noise.step:.2g} s", ""]
     for written, text in sorted(changes, key=lambda c: (c[0].mark.line, c[0].mark.column), reverse=True):
         line, column = written.mark.line - 1, written.mark.column - 1
         start = lines[line].index(written.text, column)

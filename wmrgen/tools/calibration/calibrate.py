@@ -21,7 +21,7 @@ from wmrgen.errors import UsageError
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.ir.calls import self_contained
 from wmrgen.ir.lower import lower
-from wmrgen.tools.calibration import diagnoses, estimator, noise, slips, start, turns
+from wmrgen.tools.calibration import diagnoses, estimator, noise, observability, slips, start, turns
 from wmrgen.tools.calibration.errors import Errors, drawn, errors
 from wmrgen.tools.calibration.estimator import PRIOR, Fit
 from wmrgen.tools.calibration.joint_noise import JointNoise, joint_noise
@@ -103,6 +103,7 @@ class Determined:
     noise: Noise
     covariance: Covariance
     open: Reals  # (S, k) directions that stay nominal
+    clocks: Reals  # (logs, 2) [s] offset and deviation of each clock, estimated alone
     slips: tuple[Slip, ...] = ()
 
 
@@ -239,6 +240,9 @@ def settled(fit: Fit) -> Determined:
         fit = _again(replace(fit.problem, legs=slips.without(fit, new)), fit)
     level = noise.noise(noise.tracks(fit))
     covariance = noise.covariance(fit, level)
+    clocks = np.column_stack([[own[0] for own in fit.state.own], covariance.clocks])
+    fit = _again(replace(fit.problem, clock_spread=observability.clock_spread(clocks)), fit)
+    covariance = noise.covariance(fit, level)
     kept, nominal = split(covariance.shared, fit.problem.free)
     if nominal.shape[1]:
         off = (fit.state.shared - fit.problem.origin) / fit.problem.units
@@ -247,7 +251,7 @@ def settled(fit: Fit) -> Determined:
         fit = _again(problem, replace(fit, state=replace(fit.state, shared=shared)))
         level = noise.noise(noise.tracks(fit))
         covariance = noise.covariance(fit, level)
-    return Determined(fit, level, covariance, nominal, tuple(sorted(found, key=lambda s: (s.log, s.start))))
+    return Determined(fit, level, covariance, nominal, clocks, tuple(sorted(found, key=lambda s: (s.log, s.start))))
 
 
 def _again(problem: Problem, fit: Fit) -> Fit:
@@ -302,10 +306,9 @@ def _estimates(
     mount = {name: every[name] for name in ("x", "y", "theta")}
     clocks = {}
     for index, log in enumerate(problem.logs):
-        sigma = float(found.covariance.clocks[index])
+        value, sigma = map(float, found.clocks[index])
         sure = problem.clocks[index] and sigma < CLOCK
-        value = float(fit.state.own[index][0]) if sure else 0.0
-        clocks[log.name] = Estimate(value, sigma if sure else None, 0.0, sure)
+        clocks[log.name] = Estimate(value if sure else 0.0, sigma if sure else None, 0.0, sure)
     return parameters, mount, clocks
 
 

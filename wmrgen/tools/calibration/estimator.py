@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wmrgen.tools.calibration.model import UNIT_CLOCK, Problem, Rows, State, rows
+from wmrgen.tools.calibration.model import Problem, Rows, State, rows
 from wmrgen.tools.calibration.path import Reals
 
 PRIOR = 0.1  # residuals, in units of the scale, that one unit (10 % of a parameter) away from nominal costs
@@ -74,7 +74,7 @@ def normal(problem: Problem, shared: Reals, own: Reals, one: Rows) -> Normal:
         matrix[:count, :count] += joints.matrix
         gradient[:count] += joints.gradient
         cost += joints.cost
-    weight = UNIT_CLOCK**-2  # a whole standard deviation: else clocks of straight drives run away
+    weight = problem.clock_spread**-2  # a whole standard deviation: else clocks of straight drives run away
     matrix[width, width] += weight
     gradient[width] += weight * own[0]
     # A leg without a reference pose, and a quantity that is never measured, keep their start.

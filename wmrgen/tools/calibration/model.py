@@ -45,6 +45,7 @@ class Problem:
         default_factory=lambda: np.zeros((0, 0))
     )  # (S, k) directions of the shared unknowns that are estimated
     clocks: tuple[bool, ...] = ()  # whether the clock of each log is estimated
+    clock_spread: float = UNIT_CLOCK  # [s] standard deviation of clock offsets before any log
 
     @property
     def units(self) -> Reals:

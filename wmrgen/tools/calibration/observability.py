@@ -15,6 +15,7 @@ from wmrgen.tools.calibration.path import Reals
 
 WEAK = 0.2  # units: 2 % of a parameter, 2 cm and 0.02 rad of the mount; a tape measure is as good
 CLOCK = 0.05  # [s] of a clock offset: at 0.5 m/s this is 2.5 cm, the least that matters
+_SAME = 1e-3  # [s] of clocks that agree: 1 mm at 1 m/s
 _PART = 0.25  # of a direction's largest part: smaller parts are not named
 MOUNT = ("mount.x", "mount.y", "mount.theta")
 
@@ -49,3 +50,18 @@ def groups(problem: Problem, names: Sequence[str], directions: Reals) -> tuple[t
         rotation = np.linalg.qr(np.column_stack([left[row], np.eye(left.shape[1])]))[0]
         left = left @ rotation[:, 1:]
     return tuple(result)
+
+
+def clock_spread(clocks: Reals) -> float:
+    """Return the standard deviation of clock offsets [s] (empirical Bayes).
+
+    It is the mean square of the offsets less what their noise makes of it. Where it is small, all logs help to say that
+    clocks agree, and uncertain offsets move no parameter.
+
+    Args:
+        clocks: (logs, 2) [s] offset of each clock and its deviation, each estimated alone.
+    """
+    offsets, sigmas = clocks.T
+    weights = (sigmas**2 + CLOCK**2) ** -2  # errors of squares go by squares; sharp ones count alike
+    excess = weights @ (offsets**2 - sigmas**2) / weights.sum()
+    return float(np.sqrt(max(excess, _SAME**2)))

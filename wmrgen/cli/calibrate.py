@@ -20,9 +20,9 @@ from wmrgen.robotfile.text import bytes_of
 
 if TYPE_CHECKING:
     from wmrgen.derivation.facade import Derivation
-    from wmrgen.tools.calibration.calibrate import Calibration
     from wmrgen.tools.calibration.errors import Errors
     from wmrgen.tools.calibration.plan import Course
+    from wmrgen.tools.calibration.result import Calibration
 
 
 @verb("calibrate")
@@ -135,7 +135,6 @@ def _write(
         folder: Where all files go; None: nowhere.
     """
     from wmrgen.derivation.artifacts import write_file
-    from wmrgen.tools.calibration.picture import picture
     from wmrgen.tools.calibration.written import c_values, controllers, new_values, with_values
 
     values = new_values(result)
@@ -145,7 +144,7 @@ def _write(
         return
     name = derivation.robot.name
     write_file(folder / robot.name, with_values(robot, values, result.joint_noise).encode())
-    write_file(folder / f"{name}_calibration.svg", picture(result).encode())
+    write_file(folder / f"{name}_calibration.svg", result.figure().encode())
     nominal = {p.name: float(p.nominal) for p in derivation.robot.tunable}
     if header := c_values(derivation.c_module, nominal | values):
         write_file(folder / f"{name}_calibrated.h", header.encode())

@@ -22,15 +22,16 @@ from wmrgen.geometry.layout.records import Robot
 from wmrgen.ir.calls import self_contained
 from wmrgen.ir.lower import lower
 from wmrgen.tools.calibration import diagnoses, estimator, noise, observability, slips, start, turns
-from wmrgen.tools.calibration.errors import Errors, drawn, errors
+from wmrgen.tools.calibration.errors import drawn, errors
 from wmrgen.tools.calibration.estimator import PRIOR, Fit
-from wmrgen.tools.calibration.joint_noise import JointNoise, joint_noise
+from wmrgen.tools.calibration.joint_noise import joint_noise
 from wmrgen.tools.calibration.logs import Log, check, thinned
 from wmrgen.tools.calibration.model import MOUNT, Problem
 from wmrgen.tools.calibration.noise import Covariance, Noise
-from wmrgen.tools.calibration.observability import CLOCK, groups, split
+from wmrgen.tools.calibration.observability import CLOCK, Estimate, groups, split
 from wmrgen.tools.calibration.path import Increments, Reals
 from wmrgen.tools.calibration.reading import Recording, Source, read, recordings
+from wmrgen.tools.calibration.result import Alternative, Calibration, Verdict
 from wmrgen.tools.calibration.slips import Slip
 from wmrgen.tools.calibration.turns import Hypothesis
 from wmrgen.tools.calibration.workers import Map, serial
@@ -39,60 +40,6 @@ FOLDS = 5  # parts that logs are left out in, one after the other
 SHORT = 20.0  # [s] of a leg in the first fit: odometry with parameters 10 % off does not lose its way
 _ODDS = 100.0  # to one against a number of turns, above which it is not reported
 _ROUNDS = 3  # of cutting slips: a large one hides small ones
-
-
-@dataclass(frozen=True, slots=True)
-class Estimate:
-    """One unknown in SI units."""
-
-    value: float
-    sigma: float | None  # standard deviation; None: the logs do not determine it
-    nominal: float
-    observable: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Alternative:
-    """Another number of turns that the logs allow."""
-
-    turns: float  # in the rotation that is least certain
-    odds: float  # of the chosen number against this one
-    parameters: dict[str, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """Errors of odometry from the first pose of each leg on, over the same poses of the same logs."""
-
-    nominal: Errors
-    held_out: Errors  # each log with parameters and mount from other logs
-    folds: int
-    blind: tuple[str, ...]  # what some folds do not determine
-
-    @property
-    def better(self) -> bool:
-        """Whether the parameters predict logs that they were not fitted to better than nominal ones."""
-        return self.held_out.total < self.nominal.total
-
-
-@dataclass(frozen=True, slots=True)
-class Calibration:
-    """The result."""
-
-    fit: Fit
-    parameters: dict[str, Estimate]
-    mount: dict[str, Estimate]
-    clocks: dict[str, Estimate]  # by log
-    unobservable: tuple[tuple[str, ...], ...]  # parameters that are determined only together, or not at all
-    covariance: Reals  # (P, P) of the parameters, in SI units
-    noise: Noise
-    joint_noise: JointNoise | None  # None: odometry shows no random walk
-    slips: tuple[Slip, ...]
-    turns: float  # in the rotation that is least certain; nan where no number was in doubt
-    alternatives: tuple[Alternative, ...]
-    before: Errors
-    after: Errors
-    verdict: Verdict | None  # None: one log that is too short to be divided
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,7 +198,9 @@ def settled(fit: Fit) -> Determined:
         fit = _again(problem, replace(fit, state=replace(fit.state, shared=shared)))
         level = noise.noise(noise.tracks(fit))
         covariance = noise.covariance(fit, level)
-    return Determined(fit, level, covariance, nominal, clocks, tuple(sorted(found, key=lambda s: (s.log, s.start))))
+    return Determined(
+        fit, level, covariance, nominal, clocks, tuple(sorted(found, key=lambda s: (s.log, s.start)))
+    )
 
 
 def _again(problem: Problem, fit: Fit) -> Fit:

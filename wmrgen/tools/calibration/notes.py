@@ -7,7 +7,7 @@ from math import degrees, isfinite
 
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.ports import default_range
-from wmrgen.tools.calibration.calibrate import Calibration
+from wmrgen.tools.calibration.result import Calibration
 from wmrgen.tools.calibration.written import beyond
 
 _LATE = 0.02  # [s] that a clock is off by, to be worth a sentence

@@ -7,6 +7,7 @@ uncertain than `WEAK` units is not determined. It stays nominal, gets no deviati
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,6 +19,16 @@ CLOCK = 0.05  # [s] of a clock offset: at 0.5 m/s this is 2.5 cm, the least that
 _SAME = 1e-3  # [s] of clocks that agree: 1 mm at 1 m/s
 _PART = 0.25  # of a direction's largest part: smaller parts are not named
 MOUNT = ("mount.x", "mount.y", "mount.theta")
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """One unknown in SI units."""
+
+    value: float
+    sigma: float | None  # standard deviation; None: the logs do not determine it
+    nominal: float
+    observable: bool
 
 
 def split(covariance: Reals, free: Reals) -> tuple[Reals, Reals]:

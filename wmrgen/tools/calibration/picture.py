@@ -11,8 +11,8 @@ from math import isfinite
 import numpy as np
 
 from wmrgen.report.figures.paper import Box, Point, circle, line, lines, metres, text, width
-from wmrgen.tools.calibration.calibrate import Calibration, Estimate
-from wmrgen.tools.calibration.errors import Drawn, drawn
+from wmrgen.tools.calibration.errors import Drawn
+from wmrgen.tools.calibration.observability import Estimate
 from wmrgen.tools.calibration.path import Reals
 
 _WIDTH = 480
@@ -33,14 +33,16 @@ _STYLE = """.calibration text { font: 12px Helvetica, Arial, sans-serif; fill: #
 .calibration .dot { fill: #0072b2; }"""
 
 
-def picture(result: Calibration) -> str:
-    """Return the text of the SVG."""
-    problem, shared = result.fit.problem, result.fit.state.shared
-    clocks = [float(own[0]) for own in result.fit.state.own]
-    before = [drawn(problem, index, problem.origin, clock) for index, clock in enumerate(clocks)]
-    after = [drawn(problem, index, shared, clock) for index, clock in enumerate(clocks)]
-    elements = [*_key(), *_paths(before, after), *_errors(before, after), *_values(result.parameters)]
-    height = _VALUES + _ROW * len(result.parameters) + _MARGIN
+def picture(before: Sequence[Drawn], after: Sequence[Drawn], parameters: Mapping[str, Estimate]) -> str:
+    """Return the text of the SVG.
+
+    Args:
+        before: Each log with nominal parameters.
+        after: Each log with those of the fit.
+        parameters: Those of the fit, by name.
+    """
+    elements = [*_key(), *_paths(before, after), *_errors(before, after), *_values(parameters)]
+    height = _VALUES + _ROW * len(parameters) + _MARGIN
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" class="calibration">'
     page = f'<rect width="{_WIDTH}" height="{height}" fill="#ffffff"/>'
     return "\n".join([head, f"<style>\n{_STYLE}\n</style>", page, *elements, "</svg>"]) + "\n"

@@ -11,12 +11,13 @@ import numpy as np
 
 from wmrgen.derivation.facade import Derivation
 from wmrgen.tools.calibration import estimator, start
-from wmrgen.tools.calibration.calibrate import Calibration, increments_of
+from wmrgen.tools.calibration.calibrate import increments_of
 from wmrgen.tools.calibration.logs import Log, Poses
 from wmrgen.tools.calibration.model import MOUNT, Problem
 from wmrgen.tools.calibration.noise import Noise, Share, combined, shares
 from wmrgen.tools.calibration.observability import groups, split
 from wmrgen.tools.calibration.path import Increments, Reals
+from wmrgen.tools.calibration.result import Calibration
 
 _RATE = 10.0  # [1/s] of the readings of a planned drive
 # Noise of a drive that nobody made yet: 1 cm and 1 deg after 1 m; poses to 5 mm and 0.3 deg.

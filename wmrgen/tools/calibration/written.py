@@ -12,8 +12,8 @@ from wmrgen.geometry.symbolic import expression
 from wmrgen.ir.nodes import Module
 from wmrgen.robotfile.load import read_robot
 from wmrgen.robotfile.records import Quantity
-from wmrgen.tools.calibration.calibrate import Calibration
 from wmrgen.tools.calibration.joint_noise import JointNoise
+from wmrgen.tools.calibration.result import Calibration
 from wmrgen.tools.exporting.ros2_control import ros2_control
 
 

@@ -274,7 +274,7 @@ def verdict(found: Determined) -> Verdict | None:
         rest = [piece for piece in pieces if piece not in inside]
         other = _part(problem, rest)
         clocks = np.array([state.own[index][0] for index, _ in rest])
-        fit = estimator.solved(other, start.begun(other, state.shared, clocks))
+        fit = estimator.minimised(other, start.begun(other, state.shared, clocks))
         level = noise.noise(noise.tracks(fit))
         _, weak = split(noise.covariance(fit, level).shared, other.free)
         if weak.shape[1]:

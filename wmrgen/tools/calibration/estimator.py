@@ -8,7 +8,6 @@ Whole paths are compared, and not steps of them: over a second a reference is mo
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,16 +20,48 @@ FINEST = 1e-4  # [m] the least scale: a tenth of a millimetre is below any refer
 _STEPS = 60  # at most; ten are usual
 _NEAR = 1e-3  # residuals in units of the scale: a step that changes the cost by its square changes nothing
 _DAMP = 1e-3  # of the diagonal: the first damping after a step that failed (Marquardt 1963)
+_LEAST = 1e-9  # of a start of a leg: far below what one pose says
 _TYPICAL = 1.5  # times the median residual: the standard deviation of a normal distribution
 
 
 @dataclass(frozen=True, slots=True)
 class Normal:
-    """One log's part of the normal equations, over the shared unknowns (S) and its own."""
+    """One log's part of the normal equations, over the S shared unknowns and its clock, and its L starts of legs."""
 
     cost: float
-    gradient: Reals
-    matrix: Reals
+    gradient: Reals  # (S + 1,)
+    matrix: Reals  # (S + 1, S + 1)
+    start_gradients: Reals  # (L, 3)
+    starts: Reals  # (L, 3, 3)
+    couplings: Reals  # (L, S + 1, 3)
+
+
+@dataclass(frozen=True, slots=True)
+class Reduced:
+    """A log's normal equations without its starts of legs."""
+
+    matrix: Reals  # (S + 1, S + 1)
+    gradient: Reals  # (S + 1,)
+    follow: Reals  # (L, 3, S + 1) how the starts follow the other unknowns
+    alone: Reals  # (L, 3) how they change if the others do not
+
+    @property
+    def clock_follows(self) -> Reals:
+        """How the clock follows the shared unknowns, (S,)."""
+        return np.asarray(self.matrix[:-1, -1] / self.matrix[-1, -1])
+
+    @property
+    def shared(self) -> tuple[Reals, Reals]:
+        """Matrix (S, S) and gradient (S,) without the clock."""
+        column, follows = self.matrix[:-1, -1], self.clock_follows
+        matrix = self.matrix[:-1, :-1] - np.outer(column, follows)
+        return matrix, self.gradient[:-1] - follows * self.gradient[-1]
+
+    def back(self, shared: Reals) -> Reals:
+        """Return the change of the log's own unknowns (1 + 3 L,) for a change of the shared ones."""
+        clock = -self.gradient[-1] / self.matrix[-1, -1] - self.clock_follows @ shared
+        starts = -self.alone - self.follow @ np.append(shared, clock)
+        return np.concatenate([[clock], starts.ravel()])
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,86 +75,84 @@ class Fit:
     cost: float
 
 
-def robust(residuals: Reals, by: Reals, weights: Reals, scale: float) -> Normal:
-    """Return the soft L1 cost of residuals, its gradient and its matrix.
+def normal(problem: Problem, own: Reals, one: Rows) -> Normal:
+    """Return a log's part of the normal equations, with the prior of its clock.
+
+    The loss of a residual r is soft L1, sqrt(1 + (r / scale)^2) - 1, whose second derivative is the matrix.
 
     Args:
-        residuals: (n,) [m].
-        by: (n, k) their derivatives.
-        weights: (n,) of the residuals.
-        scale: [m] where the loss turns from squares to sizes.
+        problem: For the scale and the prior.
+        own: The log's own unknowns.
+        one: Its residuals.
     """
-    root = np.sqrt(1 + (residuals / scale) ** 2)
-    effective = weights / root / scale**2
-    weighted = effective[:, None] * by
-    # einsum and not a product of matrices: threads of BLAS wait for one another where other processes use the cores.
-    matrix = np.einsum("ni,nj->ij", weighted, by)
-    return Normal(float(weights @ (root - 1)), np.einsum("ni,n->i", weighted, residuals), matrix)
-
-
-def normal(problem: Problem, shared: Reals, own: Reals, one: Rows) -> Normal:
-    """Return a log's part of the normal equations, with the prior of its clock."""
-    width = len(shared)
-    poses = robust(
-        one.values.ravel(), one.by.reshape(-1, width + len(own)), one.weights.ravel(), problem.scale
-    )
-    matrix, gradient, cost = poses.matrix.copy(), poses.gradient.copy(), poses.cost
+    width, legs = len(problem.origin) + 1, len(own) // 3
+    root = np.sqrt(1 + (one.values / problem.scale) ** 2)
+    slope = one.weights / root / problem.scale**2 * one.values
+    curve = one.weights / root**3 / problem.scale**2
+    matrix, gradient = np.zeros((legs, width + 3, width + 3)), np.zeros((legs, width + 3))
+    ends = np.searchsorted(one.leg, np.arange(legs + 1))
+    for k in range(legs):
+        rows = slice(ends[k], ends[k + 1])
+        by = one.by[:, rows].reshape(-1, width + 3)
+        # einsum and not a product of matrices: threads of BLAS wait for one another where others use the cores.
+        matrix[k] = np.einsum("ni,nj->ij", curve[:, rows].reshape(-1, 1) * by, by)
+        gradient[k] = np.einsum("ni,n->i", by, slope[:, rows].ravel())
+    shared, total = matrix[:, :width, :width].sum(axis=0), gradient[:, :width].sum(axis=0)
+    cost = float(np.sum(one.weights * (root - 1)))
     if len(one.joints):
-        count = one.joints_by.shape[1]
-        joints = robust(one.joints, one.joints_by, np.ones(len(one.joints)), problem.scale)
-        matrix[:count, :count] += joints.matrix
-        gradient[:count] += joints.gradient
-        cost += joints.cost
+        count, root = one.joints_by.shape[1], np.sqrt(1 + (one.joints / problem.scale) ** 2)
+        weighted = one.joints_by / root[:, None] / problem.scale**2
+        shared[:count, :count] += np.einsum("ni,nj->ij", weighted / root[:, None] ** 2, one.joints_by)
+        total[:count] += np.einsum("ni,n->i", weighted, one.joints)
+        cost += float(np.sum(root - 1))
     weight = problem.clock_spread**-2  # a whole standard deviation: else clocks of straight drives run away
-    matrix[width, width] += weight
-    gradient[width] += weight * own[0]
+    shared[-1, -1] += weight
+    total[-1] += weight * own[0]
     # A leg without a reference pose, and a quantity that is never measured, keep their start.
-    matrix[np.diag_indices(len(matrix))] += 1e-9
-    return Normal(cost + 0.5 * weight * own[0] ** 2, gradient, matrix)
+    starts = matrix[:, width:, width:] + _LEAST * np.eye(3)
+    couplings = matrix[:, :width, width:]
+    return Normal(cost + 0.5 * weight * own[0] ** 2, total, shared, gradient[:, width:], starts, couplings)
+
+
+def reduced(one: Normal, damping: float = 0.0) -> Reduced:
+    """Return a log's normal equations, damped, without its starts of legs."""
+    matrix = one.matrix + damping * np.diag(np.diag(one.matrix))
+    starts = one.starts * (1 + damping * np.eye(3))
+    right = np.concatenate([one.couplings.transpose(0, 2, 1), one.start_gradients[..., None]], axis=2)
+    solved = np.linalg.solve(starts, right)
+    follow, alone = solved[..., :-1], solved[..., -1]
+    matrix = matrix - np.einsum("kij,kjl->il", one.couplings, follow)
+    gradient = one.gradient - np.einsum("kij,kj->i", one.couplings, alone)
+    return Reduced(matrix, gradient, follow, alone)
 
 
 def evaluated(problem: Problem, state: State) -> Fit:
     """Return the cost and the normal equations at a state."""
     every = tuple(rows(problem, i, state.shared, own) for i, own in enumerate(state.own))
-    normals = tuple(
-        normal(problem, state.shared, own, one) for own, one in zip(state.own, every, strict=True)
-    )
+    normals = tuple(normal(problem, own, one) for own, one in zip(state.own, every, strict=True))
     off = (state.shared - problem.origin) / problem.units
     return Fit(
         problem, state, every, normals, sum(n.cost for n in normals) + 0.5 * PRIOR**2 * float(off @ off)
     )
 
 
-def reduced(problem: Problem, normals: Sequence[Normal], damping: float = 0.0) -> tuple[Reals, Reals]:
-    """Return matrix (S, S) and gradient (S,) of the shared unknowns, all others eliminated, without the prior."""
-    width = len(problem.origin)
-    matrix, gradient = np.zeros((width, width)), np.zeros(width)
-    for one in normals:
-        damped = one.matrix + damping * np.diag(np.diag(one.matrix))
-        coupling = damped[:width, width:]
-        solved = np.linalg.solve(damped[width:, width:], np.column_stack([coupling.T, one.gradient[width:]]))
-        matrix += damped[:width, :width] - coupling @ solved[:, :-1]
-        gradient += one.gradient[:width] - coupling @ solved[:, -1]
-    return matrix, gradient
-
-
 def _step(fit: Fit, damping: float) -> tuple[State, float]:
-    """Return the state after one damped Gauss-Newton step, and by how much it should lower the cost."""
+    """Return the state after one damped Newton step, and by how much it should lower the cost."""
     problem, free = fit.problem, fit.problem.free
-    width = len(problem.origin)
     off = (fit.state.shared - problem.origin) / problem.units
-    matrix, gradient = reduced(problem, fit.normals, damping)
-    within = free.T @ (matrix + PRIOR**2 * np.eye(width)) @ free
-    along = -np.linalg.solve(within, free.T @ (gradient + PRIOR**2 * off))
-    shared = free @ along
-    own, gain = [], -0.5 * float(shared @ (PRIOR**2 * off))
-    for one, before in zip(fit.normals, fit.state.own, strict=True):
-        damped = one.matrix + damping * np.diag(np.diag(one.matrix))
-        change = -np.linalg.solve(
-            damped[width:, width:], one.gradient[width:] + damped[width:, :width] @ shared
-        )
+    matrix, gradient = PRIOR**2 * np.eye(len(off)), PRIOR**2 * off
+    logs = [reduced(one, damping) for one in fit.normals]
+    for log in logs:
+        of_log = log.shared
+        matrix, gradient = matrix + of_log[0], gradient + of_log[1]
+    shared = -free @ np.linalg.solve(free.T @ matrix @ free, free.T @ gradient)
+    gain, own = -0.5 * float(shared @ (PRIOR**2 * off)), []
+    for log, one, before in zip(logs, fit.normals, fit.state.own, strict=True):
+        change = log.back(shared)
         own.append(before + change)
-        gain -= 0.5 * float(one.gradient[:width] @ shared + one.gradient[width:] @ change)
+        gain -= 0.5 * float(
+            one.gradient @ np.append(shared, change[0]) + one.start_gradients.ravel() @ change[1:]
+        )
     return State(fit.state.shared + problem.units * shared, tuple(own)), gain
 
 

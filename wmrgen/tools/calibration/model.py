@@ -73,7 +73,7 @@ class Rows:
     """The residuals of one log at its n reference poses that lie in a leg."""
 
     values: Reals  # (3, n) [m] x, y and heading
-    by: Reals  # (3, n, S + own) derivatives by the shared unknowns, in units, and by the log's own
+    by: Reals  # (3, n, S + 4) derivatives by the shared unknowns, in units, the clock, and the start of its leg
     weights: Reals  # (3, n), 0 of what was not measured
     known: Booleans  # (n,) whether a pose is the log's first one and `start_error` is given
     place: Complexes  # (n,) [m] of the tracked point
@@ -113,8 +113,8 @@ def rows(problem: Problem, index: int, shared: Reals, own: Reals) -> Rows:
     place = start[:, 0] + 1j * start[:, 1] + reached
     heading = start[:, 2] + here.heading - base.heading
 
-    place_by = np.zeros((width + len(own), len(at)), complex)
-    heading_by = np.zeros((width + len(own), len(at)))
+    place_by = np.zeros((width + 4, len(at)), complex)
+    heading_by = np.zeros((width + 4, len(at)))
     moved_by = here.position_by + 1j * arm * here.heading_by - base.position_by
     place_by[:count] = frame * moved_by - 1j * reached * base.heading_by
     heading_by[:count] = here.heading_by - base.heading_by
@@ -126,9 +126,8 @@ def rows(problem: Problem, index: int, shared: Reals, own: Reals) -> Rows:
     if problem.clocks[index]:
         speed, rate = _pace(path, log.t, at)
         place_by[width], heading_by[width] = frame * (speed + 1j * arm * rate), rate
-    column, every = width + 1 + 3 * leg, np.arange(len(at))
-    place_by[column, every], place_by[column + 1, every] = 1.0, 1j
-    place_by[column + 2, every], heading_by[column + 2, every] = 1j * reached, 1.0
+    place_by[width + 1], place_by[width + 2] = 1.0, 1j
+    place_by[width + 3], heading_by[width + 3] = 1j * reached, 1.0
 
     heading_error = heading + shared[count + 2] - poses.theta
     values = np.array([place.real - poses.x, place.imag - poses.y, LEVER * heading_error])

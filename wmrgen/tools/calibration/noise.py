@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from wmrgen.tools.calibration.estimator import PRIOR, Fit, reduced
+from wmrgen.tools.calibration.estimator import PRIOR, Fit, Reduced, reduced
 from wmrgen.tools.calibration.logs import steps_at
-from wmrgen.tools.calibration.model import LEVER, Rows
+from wmrgen.tools.calibration.model import LEVER
 from wmrgen.tools.calibration.path import Complexes, Path, Reals
 
 _ROUNDS = 5  # of weights by expected squares, which follow from the result: it changes by less than 1 % then
@@ -145,18 +145,17 @@ class Share:
 
 def shares(fit: Fit, level: Noise) -> list[Share]:
     """Return what each log adds to the covariance, under the noise ``level``."""
-    problem, width = fit.problem, len(fit.problem.origin)
     squares = [float(one.joints @ one.joints) for one in fit.rows]
     joints = sum(squares) / max(1, sum(len(one.joints) for one in fit.rows))
     result = []
-    for index, (one, normal) in enumerate(zip(fit.rows, fit.normals, strict=True)):
-        gradient = _gradient_covariance(fit, index, one, level, joints)
-        inverse = np.linalg.inv(normal.matrix[width:, width:])
-        project = inverse @ normal.matrix[width:, :width]  # (own, S)
-        eliminate = np.hstack([np.eye(width), -project.T])
-        own = (inverse @ gradient[width:, width:] @ inverse)[0, 0]
-        matrix, _ = reduced(problem, [normal])
-        result.append(Share(matrix, eliminate @ gradient @ eliminate.T, (float(own), project[0])))
+    for index, normal in enumerate(fit.normals):
+        log = reduced(normal)
+        gradient = _gradient_covariance(fit, index, log, level, joints)
+        eliminate = np.hstack([np.eye(len(gradient) - 1), -log.clock_follows[:, None]])
+        own = gradient[-1, -1] / log.matrix[-1, -1] ** 2
+        result.append(
+            Share(log.shared[0], eliminate @ gradient @ eliminate.T, (float(own), log.clock_follows))
+        )
     return result
 
 
@@ -179,30 +178,31 @@ def covariance(fit: Fit, level: Noise) -> Covariance:
     return combined(shares(fit, level), fit.problem.free)
 
 
-def _gradient_covariance(fit: Fit, index: int, one: Rows, level: Noise, joints: float) -> Reals:
-    """Return the covariance of a log's gradient, over shared and own unknowns.
+def _gradient_covariance(fit: Fit, index: int, log: Reduced, level: Noise, joints: float) -> Reals:
+    """Return the covariance of a log's gradient over shared unknowns and clock, its starts of legs eliminated.
 
     Args:
         fit: The estimate.
         index: The log's number.
-        one: Its residuals.
+        log: Its normal equations.
         level: Variances of odometry and reference.
         joints: Mean square of what redundant joints are off by [m^2].
     """
-    scale = fit.problem.scale
-    effective = one.weights / np.sqrt(1 + (one.values / scale) ** 2) / scale**2
-    x, y, theta = effective[..., None] * one.by  # (n, k) each: the gradient by an error of one residual
+    one, problem, count = fit.rows[index], fit.problem, len(fit.problem.nominal)
+    scale, width = problem.scale, len(problem.origin) + 1
+    by = one.by[..., :width] - np.einsum("cni,nij->cnj", one.by[..., width:], log.follow[one.leg])
+    curve = one.weights / np.sqrt(1 + (one.values / scale) ** 2) ** 3 / scale**2
+    x, y, theta = curve[..., None] * by  # (n, S + 1) each: the gradient by an error of one residual
     theta = LEVER * theta
-    problem, count = fit.problem, len(fit.problem.nominal)
     position = np.where(one.known, problem.start_error**2, level.most_position)[:, None]
     heading = np.where(one.known, (problem.start_error / LEVER) ** 2, level.most_heading)[:, None]
     result = x.T @ (position * x) + y.T @ (position * y) + theta.T @ (heading * theta)
-    log = problem.logs[index]
-    total = distance(problem.increments.alone.path(log.columns, fit.state.shared[:count]))
-    travelled = np.interp(one.at, log.t, total)
+    readings = problem.logs[index]
+    total = distance(problem.increments.alone.path(readings.columns, fit.state.shared[:count]))
+    travelled = np.interp(one.at, readings.t, total)
     for leg in np.unique(one.leg):
         rows = np.flatnonzero(one.leg == leg)
-        begin = np.interp(problem.legs[index][leg, 0], log.t, total)
+        begin = np.interp(problem.legs[index][leg, 0], readings.t, total)
         travel = np.maximum(np.diff(travelled[rows], prepend=begin), 0.0)[:, None]
         place = one.place[rows]
         after = [np.cumsum(part[::-1], axis=0)[::-1] for part in (x[rows], y[rows], theta[rows])]
@@ -216,6 +216,6 @@ def _gradient_covariance(fit: Fit, index: int, one: Rows, level: Noise, joints: 
         )
         result += level.most_heading_walk * (turned.T @ (travel * turned))
     if len(one.joints):
-        weighted = one.joints_by / np.sqrt(1 + (one.joints / scale) ** 2)[:, None] / scale**2
+        weighted = one.joints_by / np.sqrt(1 + (one.joints / scale) ** 2)[:, None] ** 3 / scale**2
         result[:count, :count] += joints * (weighted.T @ weighted)
     return np.asarray(result)

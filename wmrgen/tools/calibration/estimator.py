@@ -18,7 +18,7 @@ from wmrgen.tools.calibration.path import Reals
 PRIOR = 0.1  # residuals, in units of the scale, that one unit (10 % of a parameter) away from nominal costs
 FINEST = 1e-4  # [m] the least scale: a tenth of a millimetre is below any reference
 _STEPS = 60  # at most; ten are usual
-_NEAR = 1e-3  # residuals in units of the scale: a step that changes the cost by its square changes nothing
+_NEAR = 1e-2  # residuals in units of the scale: a step that changes the cost by its square changes nothing
 _DAMP = 1e-3  # of the diagonal: the first damping after a step that failed (Marquardt 1963)
 _LEAST = 1e-9  # of a start of a leg: far below what one pose says
 _TYPICAL = 1.5  # times the median residual: the standard deviation of a normal distribution

@@ -1,6 +1,6 @@
 """Logs of drives: joint readings, and reference poses of a tracked point.
 
-A log is thinned as soon as it is read: its increments are added up to steps of a tenth of a second, or of 0.05 rad,
+A log is thinned as soon as it is read: its increments are added up to steps of a quarter of a second, or of 0.05 rad,
 whatever ends first. That keeps what the estimator needs. Everything after reading works on the small log.
 """
 
@@ -17,9 +17,9 @@ from wmrgen.tools.calibration.path import Increments, Indices, Reals
 
 Booleans = NDArray[np.bool_]
 
-STEP = 0.1  # [s] of a thinned step: shorter ones change no parameter by more than 0.01 %
+STEP = 0.25  # [s] of a thinned step: shorter ones change parameters of real logs by less than a tenth of a deviation
 TURN = 0.05  # [rad] by which the robot and its steered wheels turn in a thinned step: the same
-POSES = 0.2  # [s] between reference poses that are kept
+POSES = 0.5  # [s] between reference poses that are kept: the same
 
 
 @dataclass(frozen=True, slots=True)

@@ -188,7 +188,8 @@ def settled(fit: Fit) -> Determined:
     level = noise.noise(noise.tracks(fit))
     covariance = noise.covariance(fit, level)
     clocks = np.column_stack([[own[0] for own in fit.state.own], covariance.clocks])
-    fit = _again(replace(fit.problem, clock_spread=observability.clock_spread(clocks)), fit)
+    spread = observability.clock_spread(clocks)
+    fit = estimator.rescaled(estimator.minimised(replace(fit.problem, clock_spread=spread), fit.state))
     covariance = noise.covariance(fit, level)
     kept, nominal = split(covariance.shared, fit.problem.free)
     if nominal.shape[1]:
@@ -273,8 +274,8 @@ def verdict(found: Determined) -> Verdict | None:
         inside = pieces[fold::count]
         rest = [piece for piece in pieces if piece not in inside]
         other = _part(problem, rest)
-        clocks = np.array([state.own[index][0] for index, _ in rest])
-        fit = estimator.minimised(other, start.begun(other, state.shared, clocks))
+        own = tuple(_of_piece(state.own[index], legs) for index, legs in rest)
+        fit = estimator.minimised(other, replace(state, own=own))
         level = noise.noise(noise.tracks(fit))
         _, weak = split(noise.covariance(fit, level).shared, other.free)
         if weak.shape[1]:
@@ -296,6 +297,11 @@ def _pieces(problem: Problem) -> list[tuple[int, tuple[int, ...]]]:
     if len(problem.logs) > 1:
         return [(index, tuple(range(len(legs)))) for index, legs in enumerate(problem.legs)]
     return [(0, (k,)) for k in range(len(problem.legs[0]))]
+
+
+def _of_piece(own: Reals, legs: Sequence[int]) -> Reals:
+    """Return a log's clock, and the starts of some of its legs."""
+    return np.append(own[0], own[1:].reshape(-1, 3)[list(legs)])
 
 
 def _part(problem: Problem, pieces: Sequence[tuple[int, tuple[int, ...]]]) -> Problem:

@@ -183,9 +183,12 @@ def solved(problem: Problem, state: State) -> Fit:
     sizes = [np.abs(one.values[one.weights > 0]) for one in first.rows]
     widest = float(np.concatenate(sizes).max(initial=FINEST))
     fit = minimised(replace(problem, scale=widest), state)
-    for _ in range(2):
-        fit = minimised(replace(problem, scale=typical(fit)), fit.state)
-    return fit
+    return rescaled(rescaled(fit))
+
+
+def rescaled(fit: Fit) -> Fit:
+    """Return the fit at the scale of its own residuals."""
+    return minimised(replace(fit.problem, scale=typical(fit)), fit.state)
 
 
 def typical(fit: Fit) -> float:

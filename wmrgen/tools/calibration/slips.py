@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from wmrgen.tools.calibration.estimator import Fit
 from wmrgen.tools.calibration.model import LEVER
@@ -42,10 +43,10 @@ def find(fit: Fit, every: list[Track]) -> list[tuple[int, Slip]]:
         fit: An estimate.
         every: Its legs.
     """
-    jumps = np.concatenate([_jumps(track) for track in every]) if every else np.zeros((0, 4))
+    jumps = np.concatenate([_jumps(track) for track in every]) if every else np.zeros((0, 5))
     if not len(jumps):
         return []
-    sizes = np.abs(jumps[:, 2:])
+    sizes = np.abs(jumps[:, 3:])
     floor = [fit.problem.scale, fit.problem.scale / LEVER]
     far = (sizes / np.maximum(_MEDIAN * np.median(sizes, axis=0), floor)).max(axis=1)
     result = []
@@ -54,31 +55,36 @@ def find(fit: Fit, every: list[Track]) -> list[tuple[int, Slip]]:
         rows, heights = jumps[of_log], np.where(far[of_log] > _FAR, far[of_log], 0.0)
         while heights.max() > 0:
             worst = int(np.argmax(heights))
-            _, t, moved, turned = (float(v) for v in rows[worst])
-            result.append((index, Slip(fit.problem.logs[index].name, t, t + _LASTS, moved, turned)))
-            heights[np.abs(rows[:, 1] - t) < _WINDOW + _LASTS] = 0.0  # the same jump, seen from beside it
+            _, first, last, moved, turned = (float(v) for v in rows[worst])
+            result.append((index, Slip(fit.problem.logs[index].name, first, last, moved, turned)))
+            heights[np.abs(rows[:, 1] - first) < _WINDOW + _LASTS] = 0.0  # the same jump, seen from beside it
     return result
 
 
 def _jumps(track: Track) -> Reals:
-    """Return, about once a second, the log, the time, and by how much [m], [rad] odometry and reference jump apart."""
-    result, t = [], track.t
-    error = track.heading - track.theta
-    for begin in np.arange(t[0] + _WINDOW, t[-1] - _WINDOW - _LASTS, _LASTS / 2):
-        before = np.flatnonzero((t >= begin - _WINDOW) & (t <= begin))
-        after = np.flatnonzero((t >= begin + _LASTS) & (t <= begin + _LASTS + _WINDOW))
-        count = min(len(before), len(after))
-        if count < _ROWS:
-            continue
-        i, j = before[-count:], after[:count]
-        # Seen from the middle heading between both, a rotation in the gap moves nothing to first order.
-        own = (track.place[j] - track.place[i]) * np.exp(-0.5j * (track.heading[i] + track.heading[j]))
-        seen = (track.seen[j] - track.seen[i]) * np.exp(-0.5j * (track.theta[i] + track.theta[j]))
-        off = own - seen
-        moved = abs(complex(np.median(off.real), np.median(off.imag)))
-        turned = float(np.median(error[after]) - np.median(error[before]))
-        result.append((track.log, begin, moved, turned))
-    return np.array(result).reshape(-1, 4)
+    """Return log, first and last time [s], and by how much [m], [rad] odometry and reference jump, at each pose."""
+    t, count = track.t, len(track.t)
+    step = float(np.median(np.diff(t)))
+    rows, gap = max(_ROWS, round(_WINDOW / step)), max(1, round(_LASTS / step))
+    lag = rows - 1 + gap
+    if count < rows + lag or rows * step > 2 * _WINDOW:
+        return np.zeros((0, 5))
+    # Seen from the middle heading between both, a rotation in the gap moves nothing to first order.
+    own = (track.place[lag:] - track.place[:-lag]) * np.exp(
+        -0.5j * (track.heading[lag:] + track.heading[:-lag])
+    )
+    seen = (track.seen[lag:] - track.seen[:-lag]) * np.exp(-0.5j * (track.theta[lag:] + track.theta[:-lag]))
+    moved = np.hypot(*(_medians(part, rows) for part in ((own - seen).real, (own - seen).imag)))
+    error = _medians(track.heading - track.theta, rows)
+    turned = error[lag:] - error[:-lag]
+    first, last = t[rows - 1 : count - lag], t[lag : count - rows + 1]
+    near = last - first < 2 * max(_LASTS, step)  # no gap in the reference
+    return np.column_stack([np.full(len(first), track.log), first, last, moved, turned])[near]
+
+
+def _medians(values: Reals, rows: int) -> Reals:
+    """Return the median of so many values from each one on."""
+    return np.asarray(np.median(sliding_window_view(values, rows), axis=1))
 
 
 def without(fit: Fit, found: list[tuple[int, Slip]]) -> tuple[Reals, ...]:

@@ -83,8 +83,8 @@ def test_a_bag_gives_what_its_readings_give(tmp_path: Path) -> None:
     found = command_line("calibrate", str(robot), *words, "--poses", "/mocap", "--json")
     assert found.code == 0, found.err
     values = json.loads(found.out)["parameters"]
-    assert values["radius"]["value"] == pytest.approx(0.051, rel=1e-4)
-    assert values["half_track"]["value"] == pytest.approx(0.147, rel=1e-4)
+    assert values["radius"]["value"] == pytest.approx(0.051, rel=1e-3)
+    assert values["half_track"]["value"] == pytest.approx(0.147, rel=1e-3)
     same = wmrgen.calibrate(wmrgen.load(robot), [log for log, _ in drives], [poses for _, poses in drives])
     for name, estimate in same.parameters.items():
         assert values[name]["value"] == pytest.approx(estimate.value, rel=1e-6)

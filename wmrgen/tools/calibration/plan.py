@@ -188,9 +188,16 @@ def plan(
     return None
 
 
-def problem_of_plan(derivation: Derivation) -> tuple[Problem, list[Offer], tuple[tuple[str, ...], ...]]:
-    """Return a robot's problem without logs, its offers, and the groups that no drive determines separately."""
-    increments, nominal = increments_of(derivation)
+def problem_of_plan(
+    derivation: Derivation, gains: Sequence[str] = ()
+) -> tuple[Problem, list[Offer], tuple[tuple[str, ...], ...]]:
+    """Return a robot's problem without logs, its offers, and the groups that no drive determines separately.
+
+    Args:
+        derivation: The robot's.
+        gains: Joints whose readings have an unknown scale.
+    """
+    increments, nominal = increments_of(derivation, gains)
     problem = Problem(increments, nominal, (), (), free=np.eye(len(nominal) + MOUNT))
     choices = offers(derivation, increments, nominal)
     return problem, choices, blind(choices, problem)

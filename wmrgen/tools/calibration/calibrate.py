@@ -292,8 +292,7 @@ def verdict(found: Determined) -> Verdict | None:
         other = _part(problem, rest)
         own = tuple(_of_piece(state.own[index], legs) for index, legs in rest)
         fit = estimator.minimised(other, replace(state, own=own))
-        level = noise.noise(noise.tracks(fit))
-        _, weak = split(noise.covariance(fit, level).shared, other.free)
+        _, weak = split(noise.covariance(fit, found.noise).shared, other.free)
         if weak.shape[1]:
             every = groups(other, other.increments.parameters, weak)
             blind |= {name for group in every for name in group}

@@ -231,7 +231,9 @@ def _show(derivation: Derivation, result: Calibration) -> None:
     number, seconds = len({log.name for log in logs}), sum(log.seconds for log in logs)
     console.result(f"{derivation.robot.name}: {number} drive{'s' * (number > 1)}, {seconds:.0f} s")
     if verdict is None:
-        console.result("  no verdict: these drives are all needed, none can be left out for a test; record more")
+        console.result(
+            "  no verdict: these drives are all needed, none can be left out for a test; record more"
+        )
     else:
         word = (
             "predict drives that were left out"

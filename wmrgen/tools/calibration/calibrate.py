@@ -176,17 +176,24 @@ def begun(problem: Problem, shift: Reals | None = None) -> Fit:
     values = problem.nominal.copy() if shift is None else problem.nominal + problem.units[:count] * shift
     if problem.free[count:].any():  # the mount is not known
         problem = replace(problem, mount=(0.0, 0.0, start.turned(problem, values)))
-    shared, no_clocks = np.concatenate([values, problem.origin[count:]]), np.zeros(len(problem.logs))
+    near = _short(problem, np.concatenate([values, problem.origin[count:]]))
+    return estimator.solved(problem, start.begun(problem, near.state.shared, np.zeros(len(problem.logs))))
+
+
+def _short(problem: Problem, shared: Reals) -> Fit:
+    """Return the fit of short legs, from values of the shared unknowns on."""
     legs = tuple(start.whole(log, SHORT) for log in problem.logs)
     short = replace(problem, legs=legs, clocks=(False,) * len(problem.logs))
-    near = estimator.near(short, start.begun(short, shared, no_clocks))
-    return estimator.solved(problem, start.begun(problem, near.state.shared, no_clocks))
+    return estimator.near(short, start.begun(short, shared, np.zeros(len(problem.logs))))
 
 
 def _refitted(problem: Problem, logs: Sequence[Log]) -> Fit:
-    """Return the fit of other readings of the logs."""
+    """Return the fit of short legs of other readings of the logs."""
     changed = replace(problem, logs=tuple(logs))
-    return begun(replace(changed, logs=turns.hypotheses(changed)[-1].logs))
+    changed = replace(changed, logs=turns.hypotheses(changed)[-1].logs)
+    if changed.free[len(changed.nominal) :].any():
+        changed = replace(changed, mount=(0.0, 0.0, start.turned(changed, changed.nominal)))
+    return _short(changed, changed.origin)
 
 
 def settled(fit: Fit) -> Determined:

@@ -165,7 +165,7 @@ def begun(problem: Problem, shift: Reals | None = None) -> Fit:
     shared, no_clocks = np.concatenate([values, problem.origin[count:]]), np.zeros(len(problem.logs))
     legs = tuple(start.whole(log, SHORT) for log in problem.logs)
     short = replace(problem, legs=legs, clocks=(False,) * len(problem.logs))
-    near = estimator.solved(short, start.begun(short, shared, no_clocks))
+    near = estimator.near(short, start.begun(short, shared, no_clocks))
     return estimator.solved(problem, start.begun(problem, near.state.shared, no_clocks))
 
 
@@ -189,7 +189,7 @@ def settled(fit: Fit) -> Determined:
     covariance = noise.covariance(fit, level)
     clocks = np.column_stack([[own[0] for own in fit.state.own], covariance.clocks])
     spread = observability.clock_spread(clocks)
-    fit = estimator.rescaled(estimator.minimised(replace(fit.problem, clock_spread=spread), fit.state))
+    fit = estimator.minimised(replace(fit.problem, clock_spread=spread), fit.state)
     covariance = noise.covariance(fit, level)
     kept, nominal = split(covariance.shared, fit.problem.free)
     if nominal.shape[1]:
@@ -273,6 +273,8 @@ def verdict(found: Determined) -> Verdict | None:
     for fold in range(count):
         inside = pieces[fold::count]
         rest = [piece for piece in pieces if piece not in inside]
+        if len(problem.logs) == 1:
+            inside, rest = [_joined(inside)], [_joined(rest)]
         other = _part(problem, rest)
         own = tuple(_of_piece(state.own[index], legs) for index, legs in rest)
         fit = estimator.minimised(other, replace(state, own=own))
@@ -297,6 +299,11 @@ def _pieces(problem: Problem) -> list[tuple[int, tuple[int, ...]]]:
     if len(problem.logs) > 1:
         return [(index, tuple(range(len(legs)))) for index, legs in enumerate(problem.legs)]
     return [(0, (k,)) for k in range(len(problem.legs[0]))]
+
+
+def _joined(pieces: Sequence[tuple[int, tuple[int, ...]]]) -> tuple[int, tuple[int, ...]]:
+    """Return pieces of one log as one."""
+    return pieces[0][0], tuple(leg for _, legs in pieces for leg in legs)
 
 
 def _of_piece(own: Reals, legs: Sequence[int]) -> Reals:

@@ -179,11 +179,14 @@ def solved(problem: Problem, state: State) -> Fit:
     It begins with a scale at which all residuals count by their squares, so that the start may be far off, and goes on
     with the scale of typical residuals.
     """
+    return rescaled(rescaled(near(problem, state)))
+
+
+def near(problem: Problem, state: State) -> Fit:
+    """Return the fit at a scale at which all residuals of the state count by their squares."""
     first = evaluated(problem, state)
     sizes = [np.abs(one.values[one.weights > 0]) for one in first.rows]
-    widest = float(np.concatenate(sizes).max(initial=FINEST))
-    fit = minimised(replace(problem, scale=widest), state)
-    return rescaled(rescaled(fit))
+    return minimised(replace(problem, scale=float(np.concatenate(sizes).max(initial=FINEST))), state)
 
 
 def rescaled(fit: Fit) -> Fit:

@@ -38,6 +38,13 @@ def calibrate(
             "Reference poses: columns t, x, y, theta. Once for each log; default LOG.truth.csv.", "POSES.csv"
         ),
     ] = None,
+    bag: Annotated[
+        list[Path] | None, option("A ROS bag instead of logs, with --poses. Once for each drive.", "BAG")
+    ] = None,
+    poses: Annotated[
+        str | None, option("Topic of the bag's odometry or pose of a tracked body.", "TOPIC")
+    ] = None,
+    joint_states: Annotated[str, option("Topic of the bag's joint readings.", "TOPIC")] = "/joint_states",
     out: Annotated[Path | None, output("ROBOT.yaml", "Write the robot file with the new values.")] = None,
     files: Annotated[
         Path | None,
@@ -75,6 +82,11 @@ def calibrate(
     with console.progress() as step:
         step(f"deriving {robot}")
         derivation = wmrgen.derive(print_notes(wmrgen.load(robot)))
+        if bag or poses:
+            if logs or not bag or not poses:
+                raise UsageError("a bag needs --bag and --poses, and no CSV files beside them")
+            step(f"reading {len(bag)} bags")
+            logs, truth = _of_bags(derivation, bag, poses, joint_states)
         if not logs:
             if not plan:
                 raise UsageError(
@@ -85,7 +97,7 @@ def calibrate(
             courses, never = _planned(derivation, precision, None)
             _show_plan(courses, never, precision, as_json)
             return 0
-        for path in (*logs, *(truth or ())):
+        for path in () if bag else (*logs, *(truth or ())):
             if path.exists():
                 bytes_of(path, 0)  # RobotFileError for a device or a pipe, which might never end
         step(f"calibrating {derivation.robot.name} with {len(logs)} files")
@@ -109,6 +121,25 @@ def calibrate(
         if more is not None:
             _show_plan(*more, precision, False)
     return 0 if good else 1
+
+
+def _of_bags(
+    derivation: Derivation, bags: Sequence[Path], poses: str, states: str
+) -> tuple[list[Any], list[Any]]:
+    """Return logs and references of bags, as columns by name.
+
+    Args:
+        derivation: The robot's.
+        bags: A bag for each drive.
+        poses: Topic of the reference poses.
+        states: Topic of the joint readings.
+    """
+    from wmrgen.tools.calibration.bags import tables
+    from wmrgen.tools.calibration.calibrate import increments_of
+
+    joints = increments_of(derivation)[0].joints
+    every = [tables(bag, derivation.robot, joints, poses, states) for bag in bags]
+    return [log for log, _ in every], [reference for _, reference in every]
 
 
 def _mount(text: str | None) -> tuple[float, float, float] | None:

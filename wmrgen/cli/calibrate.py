@@ -64,6 +64,10 @@ def calibrate(
     start_error: Annotated[
         float, option("Standard deviation of each first reference pose [m]: the robot starts at a mark.", "M")
     ] = inf,
+    gain: Annotated[
+        list[str] | None,
+        option("Estimate the scale of a joint's readings, such as front.steer. Once for each.", "JOINT"),
+    ] = None,
     workers: Annotated[int, option("Read the logs in so many processes.", "N")] = 1,
     scheduler: Annotated[
         str | None, option("Read the logs on the Dask cluster of this scheduler.", "ADDRESS")
@@ -94,7 +98,7 @@ def calibrate(
                 )
             step(f"planning drives of {derivation.robot.name}")
             increments_of(derivation)
-            courses, never = _planned(derivation, precision, None)
+            courses, never = _planned(derivation, precision, None, gain or ())
             _show_plan(courses, never, precision, as_json)
             return 0
         for path in () if bag else (*logs, *(truth or ())):
@@ -105,12 +109,12 @@ def calibrate(
         with every as mapped:
             result = estimate(
                 derivation, logs, truth or (), one_clock=one_clock, mount=_mount(mount), start_error=start_error,
-                mapped=mapped,
+                gains=gain or (), mapped=mapped,
             )  # fmt: skip
         good = result.verdict is None or result.verdict.better
         if good:
             _write(robot, derivation, result, out, files)
-        more = _planned(derivation, precision, result) if plan or result.unobservable else None
+        more = _planned(derivation, precision, result, gain or ()) if plan or result.unobservable else None
     data = _as_data(derivation, result)
     if more is not None:
         data["plan"] = _plan_data(more[0])
@@ -227,7 +231,9 @@ def _show(derivation: Derivation, result: Calibration) -> None:
     number, seconds = len({log.name for log in logs}), sum(log.seconds for log in logs)
     console.result(f"{derivation.robot.name}: {number} drive{'s' * (number > 1)}, {seconds:.0f} s")
     if verdict is None:
-        console.result("  no verdict: one short drive cannot be compared with others; record at least two")
+        console.result(
+            "  no verdict: these drives are all needed, none can be left out for a test; record more"
+        )
     else:
         word = (
             "predict drives that were left out"
@@ -268,7 +274,7 @@ def _notes(derivation: Derivation, result: Calibration) -> list[str]:
 
 
 def _planned(
-    derivation: Derivation, precision: float, result: Calibration | None
+    derivation: Derivation, precision: float, result: Calibration | None, gains: Sequence[str]
 ) -> tuple[Sequence[Course] | None, Sequence[Sequence[str]]]:
     """Return drives that determine the parameters, and the groups that no drive determines.
 
@@ -276,10 +282,11 @@ def _planned(
         derivation: The robot.
         precision: Standard deviation of each parameter, relative to nominal.
         result: A calibration, whose drives count; None: no drive was made yet.
+        gains: Joints whose readings have an unknown scale.
     """
     from wmrgen.tools.calibration.plan import existing, plan, problem_of_plan
 
-    problem, choices, blind = problem_of_plan(derivation)
+    problem, choices, blind = problem_of_plan(derivation, gains)
     return plan(choices, problem, precision, existing(result)), blind
 
 

@@ -54,19 +54,31 @@ class Determined:
     slips: tuple[Slip, ...] = ()
 
 
-def increments_of(derivation: Derivation) -> tuple[Increments, Reals]:
-    """Return what a robot's `forward` leaves to estimate, and the nominal values. UsageError if nothing is tunable."""
+def increments_of(derivation: Derivation, gains: Sequence[str] = ()) -> tuple[Increments, Reals]:
+    """Return what a robot's `forward` leaves to estimate, and the nominal values.
+
+    Args:
+        derivation: The robot's.
+        gains: Joints whose readings get an unknown factor.
+
+    Returns:
+        The increments, and the nominal value of each unknown. UsageError if there is none.
+    """
     derivation = derivation.without_gyro  # logs have no column for it
     robot = derivation.robot
-    if not robot.tunable:
+    if not robot.tunable and not gains:
         raise UsageError(
             f"{robot.name} has no tunable parameter, so there is nothing to calibrate. Write one as "
             "radius: {value: 0.0975, tunable: true} under parameters, and use its name in the wheels"
         )
     forward = next(f for f in self_contained(derivation.module) if f.name == "forward")
     rows = disagreement(driving(robot, derivation.mobility)[0])
-    increments = Increments.of(forward, None if rows is None else lower(rows))
-    nominal = {p.name: float(p.nominal) for p in robot.tunable}
+    joints = [port.name for port in forward.inputs if port.name.endswith((".spin", ".steer"))]
+    for joint in gains:
+        if joint not in joints:
+            raise UsageError(f"{joint} is no measured joint of {robot.name}: there are {', '.join(joints)}")
+    increments = Increments.of(forward, None if rows is None else lower(rows), tuple(dict.fromkeys(gains)))
+    nominal = {p.name: float(p.nominal) for p in robot.tunable} | {f"{joint}.gain": 1.0 for joint in gains}
     return increments, np.array([nominal[name] for name in increments.parameters])
 
 
@@ -84,6 +96,7 @@ def calibrate(
     one_clock: bool = False,
     mount: tuple[float, float, float] | None = None,
     start_error: float = inf,
+    gains: Sequence[str] = (),
     mapped: Map = serial,
 ) -> Calibration:
     """Estimate the tunable parameters of a robot from logs of drives.
@@ -97,6 +110,7 @@ def calibrate(
         one_clock: Whether each log and its reference poses have the same clock.
         mount: Place x, y [m] and heading [rad] of the tracked body on the robot, if they are known.
         start_error: Standard deviation [m] of each first reference pose, if the robot started at a mark.
+        gains: Joints such as ``front.steer`` whose readings have an unknown scale, the parameter ``front.steer.gain``.
         mapped: Where the logs are read: `serial`, or what `pool` or `cluster` of `workers` yields.
 
     Returns:
@@ -108,7 +122,7 @@ def calibrate(
     if not start_error > 0:
         raise UsageError(f"the deviation of a first pose is {start_error:g} m: it has to be above 0")
     derivation = robot if isinstance(robot, Derivation) else Derivation(robot)
-    increments, nominal = increments_of(derivation)
+    increments, nominal = increments_of(derivation, gains)
     load = partial(_loaded, increments=increments, nominal=nominal, counts=counts_per_turn(derivation.robot))
     every = tuple(map(check, mapped(load, recordings(logs, references))))
     free = np.eye(len(nominal) + MOUNT)
@@ -162,17 +176,24 @@ def begun(problem: Problem, shift: Reals | None = None) -> Fit:
     values = problem.nominal.copy() if shift is None else problem.nominal + problem.units[:count] * shift
     if problem.free[count:].any():  # the mount is not known
         problem = replace(problem, mount=(0.0, 0.0, start.turned(problem, values)))
-    shared, no_clocks = np.concatenate([values, problem.origin[count:]]), np.zeros(len(problem.logs))
+    near = _short(problem, np.concatenate([values, problem.origin[count:]]))
+    return estimator.solved(problem, start.begun(problem, near.state.shared, np.zeros(len(problem.logs))))
+
+
+def _short(problem: Problem, shared: Reals) -> Fit:
+    """Return the fit of short legs, from values of the shared unknowns on."""
     legs = tuple(start.whole(log, SHORT) for log in problem.logs)
     short = replace(problem, legs=legs, clocks=(False,) * len(problem.logs))
-    near = estimator.near(short, start.begun(short, shared, no_clocks))
-    return estimator.solved(problem, start.begun(problem, near.state.shared, no_clocks))
+    return estimator.near(short, start.begun(short, shared, np.zeros(len(problem.logs))))
 
 
 def _refitted(problem: Problem, logs: Sequence[Log]) -> Fit:
-    """Return the fit of other readings of the logs."""
+    """Return the fit of short legs of other readings of the logs."""
     changed = replace(problem, logs=tuple(logs))
-    return begun(replace(changed, logs=turns.hypotheses(changed)[-1].logs))
+    changed = replace(changed, logs=turns.hypotheses(changed)[-1].logs)
+    if changed.free[len(changed.nominal) :].any():
+        changed = replace(changed, mount=(0.0, 0.0, start.turned(changed, changed.nominal)))
+    return _short(changed, changed.origin)
 
 
 def settled(fit: Fit) -> Determined:
@@ -251,8 +272,8 @@ def _estimates(
         every[name] = Estimate(float(value), float(sigma) if seen else None, float(nominal), seen)
     parameters = {}
     for p in robot.tunable:
-        alone = Estimate(float(p.nominal), None, float(p.nominal), False)
-        parameters[p.name] = every.get(p.name, alone)
+        parameters[p.name] = Estimate(float(p.nominal), None, float(p.nominal), False)
+    parameters |= {name: every[name] for name in problem.increments.parameters}
     mount = {name: every[name] for name in ("x", "y", "theta")}
     clocks = {}
     for index, log in enumerate(problem.logs):
@@ -278,8 +299,7 @@ def verdict(found: Determined) -> Verdict | None:
         other = _part(problem, rest)
         own = tuple(_of_piece(state.own[index], legs) for index, legs in rest)
         fit = estimator.minimised(other, replace(state, own=own))
-        level = noise.noise(noise.tracks(fit))
-        _, weak = split(noise.covariance(fit, level).shared, other.free)
+        _, weak = split(noise.covariance(fit, found.noise).shared, other.free)
         if weak.shape[1]:
             every = groups(other, other.increments.parameters, weak)
             blind |= {name for group in every for name in group}

@@ -20,7 +20,9 @@ from wmrgen.tools.calibration.logs import Log, Poses
 _FAR = 0.1  # of the extent of the drives: where residuals stay so large, joints and reference do not belong together
 _EXTENT = 0.5  # [m] that drives count for at least: a robot on the spot moves by a tracker's noise
 _TIMES = 2.0  # times a nominal length, or a half of it: nobody measures so
-_BETTER = 0.25  # of the residuals: what another reading has to come to
+_BETTER = 0.5  # of the residuals: what another reading has to come to, where parameters are likely
+_EQUAL = 1.2  # times residuals: readings that are as good
+_LOGS = 3  # that other readings are tried on: each takes a fit
 
 Change = Callable[[Log], Log]
 
@@ -104,13 +106,13 @@ def _mirrored(log: Log) -> Iterator[tuple[str, Change]]:
 
 
 RULES = (
-    Rule("wheels-exchanged", _exchanged, "none yet"),
+    Rule("wheels-exchanged", _exchanged, "sonyccd/roboclaw_ros, pull request 18: encoders passed as right, left"),
     Rule("wheel-backwards", _backwards, "OptiOdom's mecanum robot: encoders 2 and 4 count backwards"),
-    Rule("steering-sign", _steering, "OptiOdom's tricycle: its readme gives the steering angle in another unit"),
-    Rule("wheel-unit", _wheel_units, "OptiOdom's mecanum logs: wheels in revolutions"),
-    Rule("reference-length", _lengths, "none yet"),
-    Rule("reference-degrees", _degrees, "none yet"),
-    Rule("reference-mirrored", _mirrored, "none yet"),
+    Rule("steering-sign", _steering, "OptiOdom's tricycle: its README in our copy has ticks, its logs have radians"),
+    Rule("wheel-unit", _wheel_units, "OptiOdom's mecanum logs: wheels in turns"),
+    Rule("reference-length", _lengths, "JdeRobot/base, issue 674: a pose in millimetres"),
+    Rule("reference-degrees", _degrees, "Mechanical-Advantage/AdvantageScope, issue 34: headings in the other unit"),
+    Rule("reference-mirrored", _mirrored, "OkapiLib's OdomState: y to the right, theta clockwise"),
 )  # fmt: skip
 
 
@@ -146,21 +148,25 @@ def refuse(fit: Fit, fitted: Callable[[Sequence[Log]], Fit]) -> None:
 
     Args:
         fit: The estimate.
-        fitted: Fits other readings of the logs.
+        fitted: Fits short stretches of other readings of the logs.
     """
     far, odd = misfit(fit), unlikely(fit)
     if far < 1 and not odd:
         return
-    best, found = _BETTER * _size(fit), ""
+    logs = fit.problem.logs[:_LOGS]
+    # Odd parameters may fit as well as likely ones: exchanged wheels are a mirror image.
+    limit = (_EQUAL if odd else _BETTER) * _size(fitted(logs))
+    found = list[tuple[float, str]]()
     for rule in RULES:
-        for words, change in rule.readings(fit.problem.logs[0]):
-            other = fitted([change(log) for log in fit.problem.logs])
-            if _size(other) < best and misfit(other) < 1 and not unlikely(other):
-                best, found = _size(other), words
+        for words, change in rule.readings(logs[0]):
+            other = fitted([change(log) for log in logs])
+            if not unlikely(other) and _size(other) < limit:
+                found.append((_size(other), words))
+    best = [words for size, words in found if size < _EQUAL * min(found)[0]]
     figures = "; ".join(odd) or f"odometry stays {_size(fit):.2g} m off"
     hint = (
-        f" They would agree if {found}."
-        if found
+        f" They would agree if {', or if '.join(best)}."
+        if best
         else " Do log and reference belong to one drive of this robot?"
     )
     raise UsageError(f"no likely parameter values explain these logs: {figures}.{hint}")

@@ -25,7 +25,7 @@ UNIT_CLOCK = 0.3  # [s] how far the clocks of two computers are about apart
 BEYOND = 1.0  # [s] by which reference poses may lie outside of a log, because clocks differ
 PACE = 1.0  # [s] to both sides, over which a speed is taken: over one step it is the rounding of encoders
 WEIGHT = 1.0  # [s] reference poses that follow one another faster count no more than one in this time
-SPAN = 10  # thinned steps, about 1 s, over which the disagreement of redundant joints is added up
+SPAN = 4  # thinned steps, about 1 s, over which the disagreement of redundant joints is added up
 
 
 @dataclass(frozen=True, slots=True)

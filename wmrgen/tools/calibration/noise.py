@@ -23,7 +23,6 @@ from wmrgen.tools.calibration.model import LEVER
 from wmrgen.tools.calibration.path import Complexes, Path, Reals
 
 _ROUNDS = 5  # of weights by expected squares, which follow from the result: it changes by less than 1 % then
-_ERRORS = 0.5  # standard errors of a level: then 97 to 99.9 % of simulated robots are within three deviations
 _ROBUST = 25.0  # times the median of squares: larger ones are slips or outliers, and count as this
 
 
@@ -35,11 +34,6 @@ class Noise:
     heading_walk: float  # [rad^2/m]
     position: float  # [m^2] of x and of y of a reference pose
     heading: float  # [rad^2] of a reference pose
-    # The same plus their standard errors: few and short logs say little of a walk, and deviations must not hide that.
-    most_position_walk: float
-    most_heading_walk: float
-    most_position: float
-    most_heading: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +113,7 @@ def noise(every: list[Track]) -> Noise:
             values.append(float(np.minimum(squares, _ROBUST * np.median(squares)).mean()))
             counts.append(len(squares) / lag)  # independent differences
     if not matrix:
-        return Noise(*[0.0] * 8)
+        return Noise(*[0.0] * 4)
     rows, means, expected = np.array(matrix), np.array(values), np.array(values)
     found = np.zeros(4)
     for _ in range(_ROUNDS):
@@ -127,9 +121,7 @@ def noise(every: list[Track]) -> Noise:
         sizes = np.maximum(np.linalg.norm(weights[:, None] * rows, axis=0), 1e-300)
         found = nnls(weights[:, None] * rows / sizes, weights * means)[0] / sizes
         expected = rows @ found
-    weighted = rows * (np.sqrt(counts) / np.maximum(expected, 1e-12))[:, None] / sizes
-    errors = np.sqrt(2 * np.diag(np.linalg.pinv(weighted.T @ weighted))) / sizes  # a mean of n squares: 2 / n
-    return Noise(*map(float, found), *map(float, found + _ERRORS * errors))
+    return Noise(*map(float, found))
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,8 +186,8 @@ def _gradient_covariance(fit: Fit, index: int, log: Reduced, level: Noise, joint
     curve = one.weights / np.sqrt(1 + (one.values / scale) ** 2) ** 3 / scale**2
     x, y, theta = curve[..., None] * by  # (n, S + 1) each: the gradient by an error of one residual
     theta = LEVER * theta
-    position = np.where(one.known, problem.start_error**2, level.most_position)[:, None]
-    heading = np.where(one.known, (problem.start_error / LEVER) ** 2, level.most_heading)[:, None]
+    position = np.where(one.known, problem.start_error**2, level.position)[:, None]
+    heading = np.where(one.known, (problem.start_error / LEVER) ** 2, level.heading)[:, None]
     result = x.T @ (position * x) + y.T @ (position * y) + theta.T @ (heading * theta)
     readings = problem.logs[index]
     total = distance(problem.increments.alone.path(readings.columns, fit.state.shared[:count]))
@@ -211,10 +203,8 @@ def _gradient_covariance(fit: Fit, index: int, log: Reduced, level: Noise, joint
             after[2] + np.cumsum(swing[::-1], axis=0)[::-1]
             - after[1] * place.real[:, None] + after[0] * place.imag[:, None]
         )  # fmt: skip
-        result += level.most_position_walk * (
-            after[0].T @ (travel * after[0]) + after[1].T @ (travel * after[1])
-        )
-        result += level.most_heading_walk * (turned.T @ (travel * turned))
+        result += level.position_walk * (after[0].T @ (travel * after[0]) + after[1].T @ (travel * after[1]))
+        result += level.heading_walk * (turned.T @ (travel * turned))
     if len(one.joints):
         weighted = one.joints_by / np.sqrt(1 + (one.joints / scale) ** 2)[:, None] ** 3 / scale**2
         result[:count, :count] += joints * (weighted.T @ weighted)

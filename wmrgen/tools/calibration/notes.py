@@ -17,8 +17,8 @@ _EACH = 6  # clocks or slips that get a sentence each; more of them share one
 def notes(robot: Robot, result: Calibration) -> list[str]:
     """Return the sentences."""
     return [
-        *_turns(result), *_open(result), *_mount(result), *_clocks(result), *_slips(result), *_folds(result),
-        *_noise(result), *_ranges(robot, result),
+        *_turns(result), *_gains(result), *_open(result), *_mount(result), *_clocks(result), *_slips(result),
+        *_folds(result), *_noise(result), *_ranges(robot, result),
     ]  # fmt: skip
 
 
@@ -31,6 +31,15 @@ def _turns(result: Calibration) -> list[str]:
     return [
         f"The reference does not say how often the robot turned. {abs(result.turns):.4g} turns are taken, possible are "
         f"{'; '.join(every)}. Record headings that count turns, or poses on the way."
+    ]
+
+
+def _gains(result: Calibration) -> list[str]:
+    return [
+        f"Multiply readings of {name.removesuffix('.gain')} by {e.value:.5g} before they go into the model: "
+        "a robot file has no place for it."
+        for name, e in result.parameters.items()
+        if name.endswith(".gain") and e.sigma is not None
     ]
 
 

@@ -7,7 +7,7 @@ exponential map of SE(2), which `wmrgen.analysis.kinematics.odometry` has as a f
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -77,28 +77,30 @@ class Increments:
     """
 
     joints: tuple[str, ...]  # inputs of `forward` by contract name
-    parameters: tuple[str, ...]  # its other inputs
+    parameters: tuple[str, ...]  # its other inputs, and the gains of joints
     twist: OfColumns  # vx, vy, omega and their derivatives by each parameter, of columns of all inputs
     rows: (
         OfColumns | None
     )  # what each measured row is off by, and its derivatives; None without redundant joints
 
     @staticmethod
-    def of(forward: Function, rows: Function | None) -> Increments:
+    def of(forward: Function, rows: Function | None, scaled: Sequence[str] = ()) -> Increments:
         """Build the increments of a robot.
 
         Args:
             forward: The robot's `forward`, with its parameters as inputs.
             rows: What redundant joints disagree by.
+            scaled: Joints whose readings get an unknown factor, ``<joint>.gain``.
         """
         names = [port.name for port in forward.inputs]
         joints = tuple(name for name in names if "." in name)
         parameters = tuple(name for name in names if "." not in name)
-        twist = sensitivity(forward, ("vx", "vy", "omega"), joints, parameters)
+        unknown = (*parameters, *(f"{joint}.gain" for joint in scaled))
+        twist = sensitivity(forward, ("vx", "vy", "omega"), joints, parameters, scaled)
         if rows is None:
-            return Increments(joints, parameters, twist, None)
+            return Increments(joints, unknown, twist, None)
         outputs = [port.name for port in rows.outputs]
-        return Increments(joints, parameters, twist, sensitivity(rows, outputs, joints, parameters))
+        return Increments(joints, unknown, twist, sensitivity(rows, outputs, joints, parameters, scaled))
 
     @property
     def alone(self) -> Increments:

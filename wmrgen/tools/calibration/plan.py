@@ -21,7 +21,7 @@ from wmrgen.tools.calibration.result import Calibration
 
 _RATE = 10.0  # [1/s] of the readings of a planned drive
 # Noise of a drive that nobody made yet: 1 cm and 1 deg after 1 m; poses to 5 mm and 0.3 deg.
-EXPECTED = Noise(1e-4, 3e-4, 2.5e-5, 2.5e-5, 1e-4, 3e-4, 2.5e-5, 2.5e-5)
+EXPECTED = Noise(1e-4, 3e-4, 2.5e-5, 2.5e-5)
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,9 +188,16 @@ def plan(
     return None
 
 
-def problem_of_plan(derivation: Derivation) -> tuple[Problem, list[Offer], tuple[tuple[str, ...], ...]]:
-    """Return a robot's problem without logs, its offers, and the groups that no drive determines separately."""
-    increments, nominal = increments_of(derivation)
+def problem_of_plan(
+    derivation: Derivation, gains: Sequence[str] = ()
+) -> tuple[Problem, list[Offer], tuple[tuple[str, ...], ...]]:
+    """Return a robot's problem without logs, its offers, and the groups that no drive determines separately.
+
+    Args:
+        derivation: The robot's.
+        gains: Joints whose readings have an unknown scale.
+    """
+    increments, nominal = increments_of(derivation, gains)
     problem = Problem(increments, nominal, (), (), free=np.eye(len(nominal) + MOUNT))
     choices = offers(derivation, increments, nominal)
     return problem, choices, blind(choices, problem)

@@ -55,7 +55,9 @@ class Calibration:
     alternatives: tuple[Alternative, ...]
     before: Errors
     after: Errors
-    verdict: Verdict | None  # None: one log that is too short to be divided
+    verdict: (
+        Verdict | None
+    )  # None: no log can be left out, because the others do not determine the parameters
 
     def residuals(self, nominal: bool = False) -> list[Drawn]:
         """Return odometry beside the reference, by log.

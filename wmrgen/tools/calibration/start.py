@@ -6,8 +6,6 @@ off, the number of turns is an unknown, see `turns`.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from wmrgen.tools.calibration.logs import Log, steps_at
@@ -33,13 +31,6 @@ def whole(log: Log, seconds: float = LEG) -> Reals:
     return np.column_stack([edges[:-1], ends])
 
 
-def odometry(problem: Problem, log: Log, values: Reals, clock: float = 0.0) -> tuple[Complexes, Reals]:
-    """Return place [m] and heading [rad] of the robot's point at the reference poses, from a pose of zeros on."""
-    path = problem.increments.alone.path(log.columns, values)
-    here = path.between(*steps_at(log.t, log.poses.t + clock))
-    return here.position, here.heading
-
-
 def turned(problem: Problem, values: Reals) -> float:
     """Return about how far the tracked body is turned on the robot [rad]; 0 where displacements do not agree.
 
@@ -48,7 +39,9 @@ def turned(problem: Problem, values: Reals) -> float:
     """
     total, length = 0j, _SURE**2
     for log in problem.logs:
-        place, heading = odometry(problem, log, values)
+        path = problem.increments.alone.path(log.columns, values)
+        here = path.between(*steps_at(log.t, log.poses.t))
+        place, heading = here.position, here.heading
         seen = log.poses.x + 1j * log.poses.y
         complete = np.flatnonzero(log.poses.complete)
         ends = np.searchsorted(log.poses.t[complete], log.poses.t[complete] + APART)
@@ -113,10 +106,3 @@ def _laid(
     y = np.nanmean(seen.imag - moved.imag) if np.isfinite(seen.imag).any() else 0.0
     start = np.exp(1j * turn) * first + complex(x, y)
     return start.real, start.imag, first_heading + turn
-
-
-def lifted(log: Log, heading: Reals) -> Log:
-    """Return the log with whole turns added to its reference headings, as odometry counts them between two poses."""
-    theta, measured = log.poses.theta.copy(), np.isfinite(log.poses.theta)
-    theta[measured] = heading[measured] + np.unwrap(theta[measured] - heading[measured])
-    return replace(log, poses=replace(log.poses, theta=theta))

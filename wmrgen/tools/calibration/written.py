@@ -23,7 +23,8 @@ def new_values(result: Calibration) -> dict[str, float]:
     A parameter that the logs do not determine alone stays nominal; of those that are determined together, such as half
     length and half width by their sum, the values belong together, and all are returned.
     """
-    return {name: e.value for name, e in result.parameters.items() if e.value != e.nominal}
+    gain = ".gain"  # no robot file has one
+    return {n: e.value for n, e in result.parameters.items() if e.value != e.nominal and not n.endswith(gain)}
 
 
 def with_values(path: Path, values: Mapping[str, float], noise: JointNoise | None = None) -> str:

@@ -59,19 +59,6 @@ def test_levels_are_found_back(name: str, bend: float) -> None:
             assert value < 4e-7
 
 
-def test_upper_levels_cover_the_true_ones() -> None:
-    """A few short tracks say little: values plus their errors are above the true ones in most sets of 5 tracks."""
-    level = LEVELS["all"]
-    above = np.zeros(4)
-    for seed in range(20):
-        random = np.random.default_rng(seed)
-        found = noise([track(random, level, 0.0) for _ in range(5)])
-        every = astuple(found)
-        assert all(most >= value for value, most in zip(every[:4], every[4:], strict=True))
-        above += np.array(every[4:]) > level
-    assert np.all(above >= 10)
-
-
 def test_a_slip_counts_little() -> None:
     """One jump of a metre among 40 tracks moves no level by more than a third."""
     random = np.random.default_rng(4)
@@ -79,12 +66,12 @@ def test_a_slip_counts_little() -> None:
     plain = noise(tracks)
     tracks[0].place[200:] += 1.0
     slipped = noise(tracks)
-    for value, before in zip(astuple(slipped)[:4], astuple(plain)[:4], strict=True):
+    for value, before in zip(astuple(slipped), astuple(plain), strict=True):
         assert value == pytest.approx(before, rel=0.34)
 
 
 def test_no_track_gives_no_noise() -> None:
-    assert noise([]) == Noise(*[0.0] * 8)
+    assert noise([]) == Noise(*[0.0] * 4)
 
 
 def test_differences_are_seen_from_the_first_pose() -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import wmrgen
-from tests.tools.calibrating.simulated import LAYOUTS, Encoders, Layout, Reals, Tracker, Twist, csv, drive
+from tests.tools.calibration.simulated import LAYOUTS, Encoders, Layout, Reals, Tracker, Twist, csv, drive
 from wmrgen.tools.calibration.calibrate import calibrate
 
 DRIVES = 3  # of each run

@@ -210,7 +210,10 @@ def combined(every: list[Share], free: Reals) -> Covariance:
     meat = PRIOR**4 * np.eye(width) + sum((one.meat for one in every), np.zeros((width, width)))
     bread = free @ np.linalg.solve(free.T @ matrix @ free, free.T)
     shared = bread @ meat @ bread
-    clocks = [own + float(follows @ shared @ follows) for own, follows in (one.clock for one in every)]
+    clocks = []
+    for one in every:
+        own, follows = one.clock
+        clocks.append(own + float(follows @ shared @ follows))
     return Covariance(shared, np.sqrt(np.maximum(clocks, 0.0)))
 
 

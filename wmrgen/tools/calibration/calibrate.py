@@ -206,7 +206,7 @@ def settled(fit: Fit) -> Determined:
             break
         found += [slip for _, slip in new]
         fit = _again(replace(fit.problem, legs=slips.without(fit, new)), fit)
-    level = noise.noise(noise.tracks(fit))
+    level = noise.of_fit(fit)
     covariance = noise.covariance(fit, level)
     clocks = np.column_stack([[own[0] for own in fit.state.own], covariance.clocks])
     spread = observability.clock_spread(clocks)
@@ -218,7 +218,7 @@ def settled(fit: Fit) -> Determined:
         shared = fit.problem.origin + fit.problem.units * (kept @ (kept.T @ off))
         problem = replace(fit.problem, free=kept)
         fit = _again(problem, replace(fit, state=replace(fit.state, shared=shared)))
-        level = noise.noise(noise.tracks(fit))
+        level = noise.of_fit(fit)
         covariance = noise.covariance(fit, level)
     return Determined(
         fit, level, covariance, nominal, clocks, tuple(sorted(found, key=lambda s: (s.log, s.start)))

@@ -13,7 +13,9 @@ import numpy as np
 
 from wmrgen.tools.calibration.estimator import Fit
 from wmrgen.tools.calibration.model import LEVER
-from wmrgen.tools.calibration.noise import Noise, distance
+from wmrgen.tools.calibration.noise import Noise, distance, spare
+
+_SHARE = 0.5  # of the measurements that must be left for noise: else its levels are those that are usual
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,12 +27,14 @@ class JointNoise:
 
 
 def joint_noise(fit: Fit, level: Noise) -> JointNoise | None:
-    """Return the noise of wheel speeds that explains the walk of odometry; None if there is no walk.
+    """Return the noise of wheel speeds that explains the walk of odometry; None if the logs show no walk.
 
     Args:
         fit: The estimate.
         level: Its noise.
     """
+    if spare(fit) < _SHARE:
+        return None
     increments, count = fit.problem.increments.alone, len(fit.problem.nominal)
     values = fit.state.shared[:count]
     walk = squares = seconds = 0.0

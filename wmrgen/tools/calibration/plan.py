@@ -14,14 +14,12 @@ from wmrgen.tools.calibration import estimator, start
 from wmrgen.tools.calibration.calibrate import increments_of
 from wmrgen.tools.calibration.logs import Log, Poses
 from wmrgen.tools.calibration.model import MOUNT, Problem
-from wmrgen.tools.calibration.noise import Noise, Share, combined, shares
+from wmrgen.tools.calibration.noise import USUAL, Noise, Share, combined, shares
 from wmrgen.tools.calibration.observability import groups, split
 from wmrgen.tools.calibration.path import Increments, Reals
 from wmrgen.tools.calibration.result import Calibration
 
 _RATE = 10.0  # [1/s] of the readings of a planned drive
-# Noise of a drive that nobody made yet: 1 cm and 1 deg after 1 m; poses to 5 mm and 0.3 deg.
-EXPECTED = Noise(1e-4, 3e-4, 2.5e-5, 2.5e-5)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +83,7 @@ def _half(limit: object, most: float) -> float:
 
 
 def offers(
-    derivation: Derivation, increments: Increments, nominal: Reals, level: Noise = EXPECTED
+    derivation: Derivation, increments: Increments, nominal: Reals, level: Noise = USUAL
 ) -> list[Offer]:
     """Return the courses that the robot can drive, each with what its log would add.
 

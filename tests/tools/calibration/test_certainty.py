@@ -68,7 +68,7 @@ def test_a_known_clock_is_not_estimated(tmp_path: Path) -> None:
     """Starts and ends of drives determine lengths if the clocks are known."""
     layout = LAYOUTS["tricycle"]
     encoders = Encoders(resolution=2 * np.pi / 400, steer=0.002, slip=0.01)
-    paths = written(tmp_path, layout, rate=10, encoders=encoders)
+    paths = written(tmp_path, layout, encoders=encoders)
     change_references(paths, lambda rows: rows[[0, -1]])
     result = calibrate(derived(layout.text), paths, one_clock=True)
     for clock in result.clocks.values():

@@ -20,6 +20,7 @@ PIONEER = str(ROOT / "robots" / "pioneer3dx.yaml")
 OPEN = {
     "robotfile/text.py": "the reader of files that a user names",
     "tools/calibration/tables.py": "logs, after `wmrgen calibrate` has checked that they are regular files",
+    "tools/calibration/bags.py": "ROS bags, by the library rosbags",
     "tools/calibration/written.py": "a robot file that the reader has accepted",
     "derivation/artifacts.py": "generated files, and the log of a bug",
     "report/pages/overview.py": "generated models",

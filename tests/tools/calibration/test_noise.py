@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.tools.calibration.simulated import Reals
-from wmrgen.tools.calibration.noise import Noise, Track, differences, noise
+from wmrgen.tools.calibration.noise import USUAL, Track, differences, noise
 
 STEP, SPEED, COUNT = 0.5, 0.4, 400  # [s], [m/s], poses of a track
 
@@ -70,8 +70,13 @@ def test_a_slip_counts_little() -> None:
         assert value == pytest.approx(before, rel=0.34)
 
 
-def test_no_track_gives_no_noise() -> None:
-    assert noise([]) == Noise(*[0.0] * 4)
+def test_no_track_gives_what_is_usual() -> None:
+    assert noise([]) == USUAL
+
+
+def test_without_spare_measurements_the_level_is_usual() -> None:
+    """Parameters that fit all poses exactly say nothing of noise."""
+    assert noise([track(np.random.default_rng(1), LEVELS["all"], 0.1)], 0.0) == USUAL
 
 
 def test_differences_are_seen_from_the_first_pose() -> None:

@@ -204,8 +204,12 @@ def test_starts_and_ends_alone(tmp_path: Path, wrapped: bool) -> None:
         turned = (rows[:, 3] + np.pi) % (2 * np.pi) - np.pi if wrapped else rows[:, 3]
         return np.column_stack([rows[:, :3], turned])[[0, -1]]
 
-    layout = LAYOUTS["differential"]
-    result = calibrated(tmp_path, layout, partial(change_references, change=ends), rate=10)
+    layout, paths = LAYOUTS["differential"], written(tmp_path, LAYOUTS["differential"], rate=10)
+    change_references(paths, change=ends)
+    derivation = derived(layout.text)
+    alone = calibrate(derivation, paths)
+    assert {"mount.x", "r_left"} <= {name for group in alone.unobservable for name in group}
+    result = calibrate(derivation, paths, mount=(0.0, 0.0, 0.0), one_clock=True)
     for parameter, value in layout.true.items():
         assert result.parameters[parameter].value == pytest.approx(value, rel=1e-3)
 

@@ -246,7 +246,7 @@ def _alternatives(
         odds = float(np.exp(min(0.5 * (deviance - min(deviances)), 99.0)))
         if hypothesis is not chosen and odds < _ODDS:
             names = found.fit.problem.increments.parameters
-            values = dict(zip(names, found.fit.state.shared.tolist(), strict=False))
+            values = dict(zip(names, found.fit.state.shared[: len(names)].tolist(), strict=True))
             result.append(Alternative(hypothesis.turns, odds, values))
     return tuple(sorted(result, key=lambda a: a.odds))
 

@@ -12,7 +12,7 @@ gradient under this noise.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 from scipy.optimize import nnls
@@ -42,15 +42,21 @@ USUAL = Noise(1e-4, 3e-4, 2.5e-5, 2.5e-5)
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """One leg at its n complete reference poses: odometry beside the reference."""
+    """One leg at its n reference poses that have a heading or a place: odometry beside the reference."""
 
     log: int  # number of the log
     t: Reals  # (n,) [s] on the clock of the reference
     place: Complexes  # (n,) [m] the tracked point by odometry
     heading: Reals  # (n,) [rad]
-    seen: Complexes  # (n,) [m] by the reference
-    theta: Reals  # (n,) [rad]
+    seen: Complexes  # (n,) [m] by the reference, nan where it is not measured
+    theta: Reals  # (n,) [rad], the same
     travelled: Reals  # (n,) [m] distance, and rotation as an arc at the lever
+
+    @property
+    def complete(self) -> Track:
+        """The poses that have a place and a heading."""
+        rows = np.isfinite(self.seen) & np.isfinite(self.theta)
+        return Track(self.log, *(column[rows] for column in astuple(self)[1:]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +82,8 @@ def tracks(fit: Fit) -> list[Track]:
         path = problem.increments.alone.path(log.columns, fit.state.shared[:count])
         total = distance(path)
         for first, last in legs:
-            poses = log.poses.rows(log.poses.complete & (log.poses.t >= first) & (log.poses.t <= last))
+            measured = np.isfinite(log.poses.theta) | np.isfinite(log.poses.x + log.poses.y)
+            poses = log.poses.rows(measured & (log.poses.t >= first) & (log.poses.t <= last))
             if len(poses.t) < 2:
                 continue
             here = path.between(*steps_at(log.t, poses.t + clock))
@@ -90,10 +97,13 @@ def tracks(fit: Fit) -> list[Track]:
 
 
 def differences(track: Track, lag: int) -> tuple[Complexes, Reals]:
-    """Return by how much odometry and reference differ between poses ``lag`` rows apart, place [m] and heading [rad],
-    as seen from the first of the two."""
+    """Return by how much odometry and reference differ between poses ``lag`` rows apart, place [m] and heading [rad].
+
+    Both are seen from the first of the two, by the heading of odometry where the reference has none.
+    """
     own = (track.place[lag:] - track.place[:-lag]) * np.exp(-1j * track.heading[:-lag])
-    seen = (track.seen[lag:] - track.seen[:-lag]) * np.exp(-1j * track.theta[:-lag])
+    theta = np.where(np.isfinite(track.theta), track.theta, track.heading)
+    seen = (track.seen[lag:] - track.seen[:-lag]) * np.exp(-1j * theta[:-lag])
     return own - seen, (track.heading - track.theta)[lag:] - (track.heading - track.theta)[:-lag]
 
 
@@ -106,8 +116,16 @@ def spare(fit: Fit) -> float:
 
 
 def of_fit(fit: Fit) -> Noise:
-    """Return the variances that the residuals of an estimate show."""
-    return noise(tracks(fit), spare(fit))
+    """Return the variances that the residuals of an estimate show.
+
+    Where the reference has one coordinate alone, all residuals count as noise of the reference.
+    """
+    every, share = tracks(fit), spare(fit)
+    if every or share == 0:
+        return noise(every, share)
+    squares = np.concatenate([one.values[one.weights > 0] for one in fit.rows]) ** 2
+    level = (USUAL.position + float(squares.sum())) / (1 + share * len(squares))
+    return Noise(0.0, 0.0, level, level / LEVER**2)
 
 
 def noise(every: list[Track], share: float = 1.0) -> Noise:
@@ -133,9 +151,14 @@ def noise(every: list[Track], share: float = 1.0) -> Noise:
         travel = np.concatenate([track.travelled[lag:] - track.travelled[:-lag] for track in some])
         chord = np.abs(np.concatenate([track.seen[lag:] - track.seen[:-lag] for track in some])) ** 2
         # By position walk, heading walk, position and heading noise. A heading error swings the rest of the way.
-        by_place = [2 * travel.mean(), (chord * travel).mean() / 3, 4.0, chord.mean()]
-        for squares, by in ((place, by_place), (turn, [0.0, travel.mean(), 0.0, 2.0])):
-            matrix.append(by)
+        none, one = np.zeros_like(travel), np.ones_like(travel)
+        by_place = np.array([2 * travel, chord * travel / 3, 4 * one, chord])
+        for squares, by in ((place, by_place), (turn, np.array([none, travel, none, 2 * one]))):
+            measured = np.isfinite(squares)
+            if not measured.any():
+                continue
+            squares = squares[measured]
+            matrix.append(by[:, measured].mean(axis=1))
             values.append(float(np.minimum(squares, _ROBUST * np.median(squares)).mean()) / share)
             counts.append(share * len(squares) / lag)  # independent differences
     usual = np.array([USUAL.position_walk, USUAL.heading_walk, USUAL.position, USUAL.heading])
@@ -163,8 +186,8 @@ class Share:
 
 def shares(fit: Fit, level: Noise) -> list[Share]:
     """Return what each log adds to the covariance, under the noise ``level``."""
-    squares = [float(one.joints @ one.joints) for one in fit.rows]
-    joints = sum(squares) / max(1, sum(len(one.joints) for one in fit.rows))
+    off = np.concatenate([one.joints for one in fit.rows])
+    joints = float(off @ off) / max(1, len(off))
     result = []
     for index, normal in enumerate(fit.normals):
         log = reduced(normal)
@@ -187,7 +210,10 @@ def combined(every: list[Share], free: Reals) -> Covariance:
     meat = PRIOR**4 * np.eye(width) + sum((one.meat for one in every), np.zeros((width, width)))
     bread = free @ np.linalg.solve(free.T @ matrix @ free, free.T)
     shared = bread @ meat @ bread
-    clocks = [own + float(follows @ shared @ follows) for own, follows in (one.clock for one in every)]
+    clocks = []
+    for one in every:
+        own, follows = one.clock
+        clocks.append(own + float(follows @ shared @ follows))
     return Covariance(shared, np.sqrt(np.maximum(clocks, 0.0)))
 
 
@@ -223,10 +249,10 @@ def _gradient_covariance(fit: Fit, index: int, log: Reduced, level: Noise, joint
         begin = np.interp(problem.legs[index][leg, 0], readings.t, total)
         travel = np.maximum(np.diff(travelled[rows], prepend=begin), 0.0)[:, None]
         place = one.place[rows]
-        after = [np.cumsum(part[::-1], axis=0)[::-1] for part in (x[rows], y[rows], theta[rows])]
+        after = [_later(part[rows]) for part in (x, y, theta)]
         swing = y[rows] * place.real[:, None] - x[rows] * place.imag[:, None]
         turned = (
-            after[2] + np.cumsum(swing[::-1], axis=0)[::-1]
+            after[2] + _later(swing)
             - after[1] * place.real[:, None] + after[0] * place.imag[:, None]
         )  # fmt: skip
         result += level.position_walk * (after[0].T @ (travel * after[0]) + after[1].T @ (travel * after[1]))
@@ -235,3 +261,8 @@ def _gradient_covariance(fit: Fit, index: int, log: Reduced, level: Noise, joint
         weighted = one.joints_by / np.sqrt(1 + (one.joints / scale) ** 2)[:, None] ** 3 / scale**2
         result[:count, :count] += joints * (weighted.T @ weighted)
     return np.asarray(result)
+
+
+def _later(rows: Reals) -> Reals:
+    """Return, for each row, the sum of it and all later rows."""
+    return np.asarray(np.cumsum(rows[::-1], axis=0)[::-1])

@@ -15,7 +15,7 @@ from wmrgen.tools.calibration.errors import Drawn
 from wmrgen.tools.calibration.observability import Estimate
 from wmrgen.tools.calibration.path import Reals
 
-_WIDTH = 480
+_WIDTH = 480  # of the page, in units of the drawing
 _PATHS: Box = (20, 40, 460, 360)  # left, top, right, bottom
 _ERRORS: Box = (72, 432, 460, 572)
 _VALUES, _ROW, _MARGIN = 640, 20, 20  # where parameters begin, a row of them, what stays free at the sides

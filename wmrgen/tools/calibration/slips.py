@@ -43,7 +43,7 @@ def find(fit: Fit, every: list[Track]) -> list[tuple[int, Slip]]:
         fit: An estimate.
         every: Its legs.
     """
-    jumps = np.concatenate([_jumps(track) for track in every]) if every else np.zeros((0, 5))
+    jumps = np.concatenate([_jumps(track.complete) for track in every]) if every else np.zeros((0, 5))
     if not len(jumps):
         return []
     sizes = np.abs(jumps[:, 3:])
@@ -64,6 +64,8 @@ def find(fit: Fit, every: list[Track]) -> list[tuple[int, Slip]]:
 def _jumps(track: Track) -> Reals:
     """Return log, first and last time [s], and by how much [m], [rad] odometry and reference jump, at each pose."""
     t, count = track.t, len(track.t)
+    if count < 2 * _ROWS:
+        return np.zeros((0, 5))
     step = float(np.median(np.diff(t)))
     rows, gap = max(_ROWS, round(_WINDOW / step)), max(1, round(_LASTS / step))
     lag = rows - 1 + gap

@@ -68,7 +68,7 @@ def calibrate(
         list[str] | None,
         option("Estimate the scale of a joint's readings, such as front.steer. Once for each.", "JOINT"),
     ] = None,
-    workers: Annotated[int, option("Read the logs in so many processes.", "N")] = 1,
+    workers: Annotated[int, option("Read the logs in N processes.", "N")] = 1,
     scheduler: Annotated[
         str | None, option("Read the logs on the Dask cluster of this scheduler.", "ADDRESS")
     ] = None,
@@ -88,13 +88,13 @@ def calibrate(
         derivation = wmrgen.derive(print_notes(wmrgen.load(robot)))
         if bag or poses:
             if logs or not bag or not poses:
-                raise UsageError("a bag needs --bag and --poses, and no CSV files beside them")
+                raise UsageError("a bag needs both --bag and --poses, and no CSV files")
             step(f"reading {len(bag)} bags")
             logs, truth = _of_bags(derivation, bag, poses, joint_states)
         if not logs:
             if not plan:
                 raise UsageError(
-                    "no log is given: wmrgen calibrate ROBOT.yaml LOG.csv…, or --plan for drives to make"
+                    "no log is given: write wmrgen calibrate ROBOT.yaml LOG.csv…, or --plan for drives to record"
                 )
             step(f"planning drives of {derivation.robot.name}")
             increments_of(derivation)
@@ -232,13 +232,13 @@ def _show(derivation: Derivation, result: Calibration) -> None:
     console.result(f"{derivation.robot.name}: {number} drive{'s' * (number > 1)}, {seconds:.0f} s")
     if verdict is None:
         console.result(
-            "  no verdict: these drives are all needed, none can be left out for a test; record more"
+            "  no verdict: all of these drives are needed for the fit, so no drive is left for a test; record more"
         )
     else:
         word = (
             "predict drives that were left out"
             if verdict.better
-            else "DO NOT USE: on drives that were left out"
+            else "do not predict drives that were left out, DO NOT USE THEM"
         )
         console.result(
             f"  the new values {word}: {_errors(verdict.held_out)}, nominal ones {_errors(verdict.nominal)}"
@@ -276,12 +276,12 @@ def _notes(derivation: Derivation, result: Calibration) -> list[str]:
 def _planned(
     derivation: Derivation, precision: float, result: Calibration | None, gains: Sequence[str]
 ) -> tuple[Sequence[Course] | None, Sequence[Sequence[str]]]:
-    """Return drives that determine the parameters, and the groups that no drive determines.
+    """Return drives that determine the parameters, and groups that no drive determines.
 
     Args:
         derivation: The robot.
         precision: Standard deviation of each parameter, relative to nominal.
-        result: A calibration, whose drives count; None: no drive was made yet.
+        result: A calibration, whose drives are counted; None: there are no drives yet.
         gains: Joints whose readings have an unknown scale.
     """
     from wmrgen.tools.calibration.plan import existing, plan, problem_of_plan
@@ -317,8 +317,8 @@ def _show_plan(
             console.note(f"no drive determines {' and '.join(group)} separately: measure one of them")
     percent = f"{100 * precision:g} %"
     if courses is None:
-        console.result(f"none of the drives makes every parameter certain to {percent}")
+        console.result(f"no set of these drives determines every parameter to {percent}")
     elif not courses:
-        console.result(f"the drives make every parameter certain to {percent} already")
+        console.result(f"the drives already determine every parameter to {percent}")
     for course in courses or ():
         console.result(f"{course.text}: {course.seconds:.0f} s")

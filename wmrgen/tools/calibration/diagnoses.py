@@ -1,7 +1,8 @@
 """Mistakes in logs that users make, and logs that no parameters explain.
 
-A fit whose residuals stay large against the extent of the drives explains nothing. Then each rule reads the logs as if
-one mistake had been made. If the logs agree under one of them, the refusal names it. Else it has the figures alone.
+If the residuals of a fit are large compared to the extent of the drives, the fit is refused. Then each rule reads the
+logs as if one mistake had been made. If the logs agree under a rule, the refusal names the mistake. Else it has only
+figures.
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ from wmrgen.tools.calibration.logs import Log, Poses
 
 _FAR = 0.1  # of the extent of the drives: where residuals stay so large, joints and reference do not belong together
 _EXTENT = 0.5  # [m] that drives count for at least: a robot on the spot moves by a tracker's noise
-_TIMES = 2.0  # times a nominal length, or a half of it: nobody measures so
-_BETTER = 0.5  # of the residuals: what another reading has to come to, where parameters are likely
+_TIMES = 2.0  # times a nominal length, or half of it: no tape measure is so wrong
+_BETTER = 0.5  # of the residuals: another reading must reach this, if parameters are likely
 _EQUAL = 1.2  # times residuals: readings that are as good
 _LOGS = 3  # that other readings are tried on: each takes a fit
 
@@ -117,7 +118,7 @@ RULES = (
 
 
 def misfit(fit: Fit) -> float:
-    """Return the residuals of the worst log, relative to the extent of its drive; above 1 they explain nothing."""
+    """Return the residuals of the worst log, relative to the extent of its drive; a fit above 1 is refused."""
     worst = 0.0
     for log, one in zip(fit.problem.logs, fit.rows, strict=True):
         sizes = np.abs(one.values[one.weights > 0])

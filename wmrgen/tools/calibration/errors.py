@@ -34,14 +34,14 @@ class Drawn:
 
 @dataclass(frozen=True, slots=True)
 class Errors:
-    """Root mean squares over some logs; nan where nothing was measured."""
+    """Root mean squares over some logs; nan if they were not measured."""
 
     position: float  # [m]
     heading: float  # [rad]
 
     @property
     def total(self) -> float:
-        """One length for both [m]: a heading counts as the arc that it makes at the lever of the estimator."""
+        """One length for both [m]: a heading error is the arc that it makes at the lever of the estimator."""
         parts = np.array([self.position, LEVER * self.heading])
         return float(np.sqrt(np.sum(parts[np.isfinite(parts)] ** 2)))
 

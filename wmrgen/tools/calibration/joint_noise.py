@@ -23,7 +23,7 @@ class JointNoise:
     """Noise of measured speeds."""
 
     proportional: float  # standard deviation as a share of the speed, of each ``<wheel>.spin``
-    step: float  # [s] between readings, for which this holds
+    step: float  # [s] between readings; the share depends on it
 
 
 def joint_noise(fit: Fit, level: Noise) -> JointNoise | None:

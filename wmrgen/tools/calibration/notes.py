@@ -1,4 +1,4 @@
-"""What a user should know of a calibration beside its numbers, a sentence each."""
+"""Notes on a calibration in addition to its numbers, one sentence each."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ def _turns(result: Calibration) -> list[str]:
         f"{abs(other.turns):.4g} turns: {_values(other.parameters)}" for other in result.alternatives[:_EACH]
     ]
     return [
-        f"The reference does not say how often the robot turned. {abs(result.turns):.4g} turns are taken, possible are "
-        f"{'; '.join(every)}. Record headings that count turns, or poses on the way."
+        f"The reference does not determine how often the robot turned. {abs(result.turns):.4g} turns are assumed. "
+        f"Also possible: {'; '.join(every)}. Record cumulative headings, or more poses on the way."
     ]
 
 
 def _gains(result: Calibration) -> list[str]:
     return [
         f"Multiply readings of {name.removesuffix('.gain')} by {e.value:.5g} before they go into the model: "
-        "a robot file has no place for it."
+        "a robot file has no key for this."
         for name, e in result.parameters.items()
         if name.endswith(".gain") and e.sigma is not None
     ]
@@ -55,7 +55,9 @@ def _open(result: Calibration) -> list[str]:
         if len(group) == 1:
             said.append(f"These drives do not determine {group[0]}. It stays nominal.")
         else:
-            said.append(f"These drives determine {_and(group)} only together. Their values belong together.")
+            said.append(
+                f"These drives determine {_and(group)} only together. Use their values together, or measure one."
+            )
     return said
 
 
@@ -92,7 +94,8 @@ def _clocks(result: Calibration) -> list[str]:
 def _slips(result: Calibration) -> list[str]:
     slips = result.slips
     said = [
-        f"{s.log}: wheels slip at t = {s.start:.1f} s, by {s.moved:.2g} m and {abs(s.turned):.2g} rad. It is left out."
+        f"{s.log}: wheels slip at t = {s.start:.1f} s, by {s.moved:.2g} m and {abs(s.turned):.2g} rad. "
+        "This part is left out."
         for s in slips[:_EACH]
     ]
     return [*said, f"{len(slips) - _EACH} more slips are left out."] if len(slips) > _EACH else said
@@ -103,7 +106,7 @@ def _folds(result: Calibration) -> list[str]:
         return []
     return [
         f"Without some drives, the others do not determine {', '.join(result.verdict.blind)}. "
-        "Those do not count in the verdict."
+        "Those drives do not count in the verdict."
     ]
 
 

@@ -54,7 +54,7 @@ def groups(problem: Problem, names: Sequence[str], directions: Reals) -> tuple[t
     every, left, result = [*names, *MOUNT], directions.copy(), []
     assert len(every) == len(problem.origin)
     while left.shape[1]:
-        # The direction with the largest single part, so that an unknown stands alone if it can.
+        # The direction with the largest single part, so that a group has one unknown if possible.
         row = int(np.argmax(np.linalg.norm(left, axis=1)))
         size = np.abs(left @ (left[row] / np.linalg.norm(left[row])))
         result.append(tuple(every[i] for i in np.argsort(-size) if size[i] > _PART * size.max()))

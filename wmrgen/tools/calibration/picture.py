@@ -18,7 +18,7 @@ from wmrgen.tools.calibration.path import Reals
 _WIDTH = 480  # of the page, in units of the drawing
 _PATHS: Box = (20, 40, 460, 360)  # left, top, right, bottom
 _ERRORS: Box = (72, 432, 460, 572)
-_VALUES, _ROW, _MARGIN = 640, 20, 20  # where parameters begin, a row of them, what stays free at the sides
+_VALUES, _ROW, _MARGIN = 640, 20, 20  # where parameters begin, a row of them, the margin at the sides
 _MOST = 300  # points of a line
 _STYLE = """.calibration text { font: 12px Helvetica, Arial, sans-serif; fill: #000000; }
 .calibration .end { text-anchor: end; }
@@ -38,8 +38,8 @@ def picture(before: Sequence[Drawn], after: Sequence[Drawn], parameters: Mapping
 
     Args:
         before: Each log with nominal parameters.
-        after: Each log with those of the fit.
-        parameters: Those of the fit, by name.
+        after: Each log with the fitted parameters.
+        parameters: The fitted parameters, by name.
     """
     elements = [*_key(), *_paths(before, after), *_errors(before, after), *_values(parameters)]
     height = _VALUES + _ROW * len(parameters) + _MARGIN

@@ -1,4 +1,4 @@
-"""Drives to propose: which of a few usual ones determine what is not determined yet."""
+"""Suggest drives: a few common courses that determine the parameters which are not determined yet."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Course:
 
 @dataclass(frozen=True, slots=True)
 class Offer:
-    """A course, and what its log would add to the covariance."""
+    """A course, and the contribution of its log to the covariance."""
 
     course: Course
     share: Share
@@ -85,7 +85,7 @@ def _half(limit: object, most: float) -> float:
 def offers(
     derivation: Derivation, increments: Increments, nominal: Reals, level: Noise = USUAL
 ) -> list[Offer]:
-    """Return the courses that the robot can drive, each with what its log would add.
+    """Return the courses that the robot can drive, each with the contribution of its log.
 
     Args:
         derivation: The robot.
@@ -169,7 +169,7 @@ def blind(
 def plan(
     choices: Sequence[Offer], problem: Problem, precision: float, before: Sequence[Share] = ()
 ) -> tuple[Course, ...] | None:
-    """Return the shortest courses that determine every parameter that can be; None if there are none.
+    """Return the shortest courses that determine every parameter that any course determines; None if no set does.
 
     Args:
         choices: What can be driven.

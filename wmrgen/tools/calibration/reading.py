@@ -18,11 +18,11 @@ from wmrgen.tools.calibration.tables import Table, table_of, without_other_headi
 
 Source = Any  # the path of a CSV file; or a mapping or data frame that gives columns by their names
 
-_GAP = 20.0  # times the median step: during a longer one nobody knows how the robot moved
+_GAP = 20.0  # times the median step: during a longer one the motion of the robot is unknown
 _JUMP = 3.0  # [rad] in one step, and ten times the usual step: a reading that wrapped or restarted
 _TURN = 6.4  # [rad] steering angles that wrap lie within one turn
-_REFERENCE = ".truth.csv"  # how a file of reference poses beside a log ends
-_SPARSE = 5.0  # [s] between readings: nobody logs a drive like that, so t is in another unit
+_REFERENCE = ".truth.csv"  # the end of the name of a reference file next to a log
+_SPARSE = 5.0  # [s] between readings: logs are never so slow, so t is in another unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,8 +38,8 @@ def recordings(logs: Sequence[Source], references: Sequence[Source]) -> list[Rec
     """Return each log with its reference poses.
 
     Args:
-        logs: Paths of CSV files, mappings or data frames. ``NAME.truth.csv`` beside ``NAME.csv`` counts as its
-            reference and not as a log, because a shell's pattern matches both.
+        logs: Paths of CSV files, mappings or data frames. ``NAME.truth.csv`` next to ``NAME.csv`` is its
+            reference and not a log, because a shell's pattern matches both.
         references: Reference poses in the order of the logs; by default ``NAME.truth.csv`` of each file.
     """
     paths = {Path(log) for log in logs if isinstance(log, str | PathLike)}
@@ -60,10 +60,10 @@ def recordings(logs: Sequence[Source], references: Sequence[Source]) -> list[Rec
         elif own is not None and own.is_file() and not references:
             reference = own
         else:
-            beside = f", and no {own.name} is beside it" if own else ""
+            beside = f", and there is no {own.name} next to it" if own else ""
             raise UsageError(f"{_where(source, name)}: no reference poses are given for it{beside}")
         names.append(name)
-        again = names.count(name)  # logs of several folders may be called alike
+        again = names.count(name)  # logs in several folders may have the same name
         result.append(Recording(f"{name} ({again})" if again > 1 else name, source, reference))
     if rest:
         raise UsageError(f"there are {len(references)} files of reference poses for {len(result)} logs")
@@ -79,7 +79,7 @@ def read(recording: Recording, joints: Sequence[str], turns: Mapping[str, float]
         turns: Counts per turn of each joint that has an encoder in the robot file.
 
     Returns:
-        The log. UsageError, with the line, if it is none.
+        The log. UsageError, with the line, if it cannot be read.
     """
     table = table_of(recording.log, _where(recording.log, recording.name), empty=False)
     reference = _where(recording.reference, f"reference of {recording.name}")
@@ -87,9 +87,7 @@ def read(recording: Recording, joints: Sequence[str], turns: Mapping[str, float]
     without_other_headings(poses)
     t, at = table.columns["t"], poses.columns["t"]
     if not {"x", "y", "theta"} & set(poses.columns):
-        raise UsageError(
-            f"{reference}: none of the columns x, y and theta is there, only {', '.join(poses.columns)}"
-        )
+        raise UsageError(f"{reference}: there is no column x, y or theta, only {', '.join(poses.columns)}")
     _check_times(table, poses)
     columns = {joint: _increments(table, joint, turns, t) for joint in joints}
     missing = np.full(len(at), np.nan)
@@ -124,7 +122,7 @@ def _check_times(table: Table, poses: Table) -> None:
 
 
 def _increments(table: Table, joint: str, turns: Mapping[str, float], t: Reals) -> Reals:
-    """Return the steps of a joint [rad], from the column that has it."""
+    """Return the steps of a joint [rad], from its column."""
     wheel, quantity = joint.rsplit(".", 1)
     if quantity in ("steer", "steer_rate"):
         angle = _column(table, (f"{wheel}.steer",))
@@ -169,7 +167,7 @@ def _refuse_jumps(table: Table, name: str, unit: float) -> None:
     signed = np.diff(table.columns[name]) * unit
     steps = np.abs(signed)
     at, usual = int(np.argmax(steps)), float(np.percentile(steps, 75))
-    back = signed[max(0, at - 1) : at + 2] * np.sign(signed[at])  # a wrap goes against the steps beside it
+    back = signed[max(0, at - 1) : at + 2] * np.sign(signed[at])  # a wrap is opposite to the steps around it
     against = int(np.sum(back < 0))
     if steps[at] > _JUMP and (steps[at] > 10 * usual or (steps[at] > 3 * usual and against >= 2)):
         raise UsageError(

@@ -1,4 +1,4 @@
-"""What a calibration gives: parameters, what they were estimated from, and a verdict."""
+"""The result of a calibration: parameters, the fit behind them, and a verdict."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Verdict:
     nominal: Errors
     held_out: Errors  # each log with parameters and mount from other logs
     folds: int
-    blind: tuple[str, ...]  # what some folds do not determine
+    blind: tuple[str, ...]  # unknowns that some folds do not determine
 
     @property
     def better(self) -> bool:
@@ -60,10 +60,10 @@ class Calibration:
     )  # None: no log can be left out, because the others do not determine the parameters
 
     def residuals(self, nominal: bool = False) -> list[Drawn]:
-        """Return odometry beside the reference, by log.
+        """Return odometry and reference of each log.
 
         Args:
-            nominal: Whether with nominal parameters and mount, not with those of the fit.
+            nominal: Whether to use nominal parameters and mount instead of the fitted ones.
         """
         problem = self.fit.problem
         shared = problem.origin if nominal else self.fit.state.shared

@@ -57,7 +57,9 @@ def find(fit: Fit, every: list[Track]) -> list[tuple[int, Slip]]:
             worst = int(np.argmax(heights))
             _, first, last, moved, turned = (float(v) for v in rows[worst])
             result.append((index, Slip(fit.problem.logs[index].name, first, last, moved, turned)))
-            heights[np.abs(rows[:, 1] - first) < _WINDOW + _LASTS] = 0.0  # the same jump, seen from beside it
+            heights[np.abs(rows[:, 1] - first) < _WINDOW + _LASTS] = (
+                0.0  # the same jump, seen from the poses around it
+            )
     return result
 
 

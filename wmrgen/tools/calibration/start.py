@@ -13,15 +13,13 @@ from wmrgen.tools.calibration.model import Problem, State
 from wmrgen.tools.calibration.path import Complexes, Reals
 
 LEG = 200.0  # [s] of a leg at most: later poses say ever less of the parameters, because errors of odometry add up
-APART = 2.0  # [s] between reference poses whose displacement is compared with that of odometry
+APART = 2.0  # [s] between reference poses whose displacement is compared with odometry
 _SURE = 0.05  # [m] of displacements in all, below which they are the noise of a robot on the spot
-_COHERENT = (
-    0.5  # of the displacements' length must agree on one angle, before the tracked body counts as turned
-)
+_COHERENT = 0.5  # of the displacements' length must agree on one angle, before the tracked body is assumed to be turned
 
 
 def whole(log: Log, seconds: float = LEG) -> Reals:
-    """Return legs (L, 2) [s] of a log, equal ones of at most so many seconds."""
+    """Return legs (L, 2) [s] of a log, of equal length and at most ``seconds`` long."""
     t = log.poses.t
     count = max(1, int(np.ceil((t[-1] - t[0]) / seconds - 1e-6)))
     count = min(count, max(1, log.poses.measured // 4))
@@ -32,10 +30,10 @@ def whole(log: Log, seconds: float = LEG) -> Reals:
 
 
 def turned(problem: Problem, values: Reals) -> float:
-    """Return about how far the tracked body is turned on the robot [rad]; 0 where displacements do not agree.
+    """Return roughly how far the tracked body is turned on the robot [rad]; 0 if displacements do not agree.
 
-    Over a short way, a displacement of the tracked point seen from its body, and that of odometry seen from the robot,
-    differ by this angle, however much odometry has drifted before.
+    Over a short distance, the displacement of the tracked point seen from its body differs by this angle from the
+    displacement of odometry seen from the robot, however much odometry has drifted before.
     """
     total, length = 0j, _SURE**2
     for log in problem.logs:

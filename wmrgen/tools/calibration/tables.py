@@ -1,4 +1,4 @@
-"""Tables of numbers: CSV files with a header, mappings and data frames, and what is wrong with them, by row."""
+"""Read tables of numbers from CSV files, mappings and data frames, and report their errors by row."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ class Table:
 
 
 def table_of(source: Any, where: str, empty: bool) -> Table:
-    """Return the table that a path, a mapping or a data frame stands for.
+    """Return the table of a path, a mapping or a data frame.
 
     Args:
-        source: The path of a CSV file; or what gives columns by their names.
-        where: What messages call it.
-        empty: Whether a cell may be empty, which is nan.
+        source: The path of a CSV file, or a mapping or data frame with columns by name.
+        where: Its name in messages.
+        empty: Whether a cell may be empty (nan).
 
     Returns:
-        The table. UsageError if it is none.
+        The table. UsageError if the source is not a table of numbers.
     """
     if isinstance(source, str | PathLike):
         return _checked(Table(where, _columns(Path(source), empty), True), empty)
@@ -54,9 +54,11 @@ def table_of(source: Any, where: str, empty: bool) -> Table:
         columns = {name: np.array(source[name], dtype=float) for name in names}
         lengths = {column.shape for column in columns.values()}
     except (TypeError, ValueError) as error:
-        raise UsageError(f"{where}: it is no table of numbers: {error}") from None
+        raise UsageError(f"{where}: this is not a table of numbers: {error}") from None
     if len(lengths) > 1 or any(len(shape) != 1 for shape in lengths):
-        raise UsageError(f"{where}: its columns have the shapes {', '.join(map(str, sorted(lengths)))}")
+        raise UsageError(
+            f"{where}: columns differ in length or shape: {', '.join(map(str, sorted(lengths)))}"
+        )
     return _checked(Table(where, columns, False), empty)
 
 
@@ -69,13 +71,13 @@ def _checked(table: Table, empty: bool) -> Table:
         bad = ~np.isfinite(column) if name == "t" or not empty else np.isinf(column)
         if bad.any():
             row = int(np.argmax(bad))
-            raise UsageError(f"{table.place(row)}: {name} is {column[row]}: delete or mend that row")
+            raise UsageError(f"{table.place(row)}: {name} is {column[row]}: delete or correct that row")
     falls = np.diff(t) <= 0
     if falls.any():
         row = int(np.argmax(falls))
         raise UsageError(
-            f"{table.place(row + 1)}: t does not rise: {t[row + 1]:.15g} after {t[row]:.15g}; sort the rows, and leave "
-            "doubles out"
+            f"{table.place(row + 1)}: t does not rise: {t[row + 1]:.15g} after {t[row]:.15g}; sort the rows, and "
+            "delete repeated ones"
         )
     return table
 
@@ -87,28 +89,31 @@ def _columns(path: Path, empty: bool) -> dict[str, Reals]:
             header = [name.strip() for name in next(csv.reader(stream), [])]
             _check_header(f"{path}:1", header)
             numbers = np.empty((0, 0))
-            with warnings.catch_warnings(action="ignore"), suppress(ValueError):  # which are told by line
+            with (
+                warnings.catch_warnings(action="ignore"),
+                suppress(ValueError),
+            ):  # reported below with the line
                 numbers = np.loadtxt(stream, delimiter=",", ndmin=2)
             if numbers.shape[1] != len(header):
                 numbers = _by_line(path, header, empty)
     except UnicodeDecodeError:
-        raise UsageError(f"{path}: it is no text in UTF-8: save it as CSV in UTF-8") from None
+        raise UsageError(f"{path}: this is not text in UTF-8: save it as CSV in UTF-8") from None
     except (OSError, csv.Error) as error:
         raise UsageError(f"{path}: it cannot be read: {error}") from None
     return dict(zip(header, numbers.T.copy(), strict=True))
 
 
 def _check_header(where: str, header: Sequence[str]) -> None:
-    """Refuse columns without t, and a name that stands twice."""
+    """Refuse columns without t, and repeated column names."""
     reads = ",".join(header)[:200]
     if "t" not in header:
         raise UsageError(
             f"{where}: there is no column t [s]; the columns are {reads or 'none'}{_instead(header)}"
         )
     if not header[-1]:
-        raise UsageError(f"{where}: the last column has no name in {reads}: is there a comma too many?")
+        raise UsageError(f"{where}: the last column has no name in {reads}: is there an extra comma?")
     if len(set(header)) < len(header):
-        raise UsageError(f"{where}: a column stands twice in {reads}")
+        raise UsageError(f"{where}: a column name is repeated in {reads}")
 
 
 def _instead(header: Sequence[str]) -> str:
@@ -124,7 +129,7 @@ def _instead(header: Sequence[str]) -> str:
 
 
 def _by_line(path: Path, header: Sequence[str], empty: bool) -> Reals:
-    """Return rows read one by one: for a file with empty cells, or to find the line that is wrong."""
+    """Return rows read one by one: the file has empty cells, or an error whose line is needed."""
     rows = []
     with path.open(encoding="utf-8-sig", newline="") as stream:
         reader = csv.reader(stream)
@@ -150,7 +155,7 @@ def _number(path: Path, line: int, name: str, cell: str, empty: bool) -> float:
         line: The row's line.
         name: The column's name.
         cell: The text.
-        empty: Whether it may be empty, which is nan.
+        empty: Whether it may be empty (nan).
     """
     if empty and not cell.strip():
         return float("nan")
@@ -158,12 +163,12 @@ def _number(path: Path, line: int, name: str, cell: str, empty: bool) -> float:
         return float(cell)
     except ValueError:
         point = re.fullmatch(r"\s*[-+]?\d*,\d*\s*", cell)
-        hint = "write points in numbers" if point else "delete or mend that row"
-        raise UsageError(f"{path}:{line}: {name} is {cell!r}, which is no number: {hint}") from None
+        hint = "write points in numbers" if point else "delete or correct that row"
+        raise UsageError(f"{path}:{line}: {name} is {cell!r}, not a number: {hint}") from None
 
 
 def without_other_headings(table: Table) -> None:
-    """Refuse reference poses whose headings stand in columns that nothing reads."""
+    """Refuse reference poses with headings in columns that are not read."""
     others = [name for name in table.columns if _HEADING.fullmatch(name)]
     if "theta" in table.columns or not others:
         return
@@ -171,6 +176,6 @@ def without_other_headings(table: Table) -> None:
         name.lower().endswith("w") and "yaw" not in name.lower() for name in others
     )
     raise UsageError(
-        f"{table.where}: {', '.join(others)} would be left unread: write the heading as theta [rad]{quaternion}, or "
-        "delete what is no heading"
+        f"{table.where}: {', '.join(others)} would not be read: write the heading as theta [rad]{quaternion}, or "
+        "delete columns that are not headings"
     )

@@ -1,8 +1,9 @@
 """How many whole turns a robot makes between two reference headings.
 
-Headings that leave a range of one turn are cumulative and are kept. Other headings may be wrapped, and the number of
-turns between two of them is an unknown integer. Odometry with nominal parameters predicts the rotation. Where nominal
-parameters may be off by so much that several integers are possible, each of them is a hypothesis about the parameters.
+Headings that leave a range of one turn are cumulative and are used as they are. Other headings may be wrapped, and the
+number of turns between two headings is an unknown integer. Odometry with nominal parameters predicts the rotation. If
+nominal parameters may be off by so much that several integers are possible, each integer is a hypothesis about the
+parameters.
 All logs share the parameters, so a hypothesis gives the integers of all gaps.
 """
 
@@ -18,7 +19,7 @@ from wmrgen.tools.calibration.logs import Log, steps_at
 from wmrgen.tools.calibration.model import Problem
 from wmrgen.tools.calibration.path import Reals
 
-_REACH = 2.5  # standard deviations of what nominal parameters predict: 99 % of all robots are within
+_REACH = 2.5  # standard deviations of the rotation by nominal parameters: 99 % of all robots are within
 _ROUNDING = 1e-3  # [rad] by which wrapped headings may span more than one turn
 _TURN = 2 * np.pi
 
@@ -45,13 +46,13 @@ class Hypothesis:
 
     logs: tuple[Log, ...]
     shift: Reals  # (P,) units by which the parameters are off for it
-    turns: float  # of the gap that is least certain; nan where none was uncertain
+    turns: float  # of the gap that is least certain; nan if all were certain
 
 
 def hypotheses(problem: Problem) -> list[Hypothesis]:
-    """Return the possible numbers of turns, at least one; that of nominal parameters is the last one.
+    """Return the possible numbers of turns, at least one; the number by nominal parameters is the last.
 
-    The hypotheses are those of parameters within `_REACH` standard deviations, along the line on which the most
+    Each hypothesis has parameters within `_REACH` standard deviations, along the line on which the most
     uncertain rotation changes most.
     """
     every = [_gaps(problem, log) for log in problem.logs]
@@ -83,7 +84,7 @@ def hypotheses(problem: Problem) -> list[Hypothesis]:
 
 
 def _gaps(problem: Problem, log: Log) -> Gaps:
-    """Return what odometry predicts between the reference headings of a log."""
+    """Return the rotations between the reference headings of a log, measured and by odometry."""
     measured = np.isfinite(log.poses.theta)
     theta = log.poses.theta[measured]
     path = problem.increments.path(log.columns, problem.nominal)

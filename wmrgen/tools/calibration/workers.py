@@ -19,7 +19,7 @@ Result = TypeVar("Result")
 
 
 class Map(Protocol):
-    """What applies a function to every item, in order."""
+    """Applies a function to every item, in order."""
 
     def __call__(self, function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]: ...
 
@@ -31,7 +31,7 @@ def serial(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Re
 
 @contextmanager
 def pool(processes: int) -> Iterator[Map]:
-    """Yield a map over so many processes."""
+    """Yield a map over a pool of processes."""
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as executor:
 
         def apply(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
@@ -42,7 +42,7 @@ def pool(processes: int) -> Iterator[Map]:
 
 @contextmanager
 def cluster(address: str) -> Iterator[Map]:
-    """Yield a map over the workers of the Dask scheduler at an address. EnvironmentFailure if there is none."""
+    """Yield a map over the workers of the Dask scheduler at an address. EnvironmentFailure if none answers."""
     try:
         from distributed import Client
     except ImportError:

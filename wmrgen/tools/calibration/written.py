@@ -1,4 +1,4 @@
-"""What a calibration writes: the robot file with new values, parameters for ROS, and numbers for the C."""
+"""Texts that a calibration writes: the robot file with new values, parameters for ROS, and numbers for the C."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from wmrgen.tools.exporting.ros2_control import ros2_control
 
 
 def new_values(result: Calibration) -> dict[str, float]:
-    """Return the values for the robot file: those of all parameters that differ from nominal.
+    """Return the values for the robot file, of all parameters that differ from nominal.
 
-    A parameter that the logs do not determine alone stays nominal; of those that are determined together, such as half
-    length and half width by their sum, the values belong together, and all are returned.
+    A parameter that is not determined at all stays nominal. Parameters that are determined only together, such as half
+    length and half width by their sum, are all returned, because their values belong together.
     """
     gain = ".gain"  # no robot file has one
     return {n: e.value for n, e in result.parameters.items() if e.value != e.nominal and not n.endswith(gain)}
@@ -35,8 +35,8 @@ def with_values(path: Path, values: Mapping[str, float], noise: JointNoise | Non
 
     Args:
         path: The robot file.
-        values: Of some parameters, in m and rad.
-        noise: Of wheel speeds; None: as it is in the file.
+        values: New values of some parameters, in m and rad.
+        noise: Noise of wheel speeds; None: keep the noise in the file.
     """
     lines = path.read_bytes().decode("utf-8").split("\n")
     spec = read_robot(path)
@@ -93,7 +93,7 @@ def equivalent_counts(robot: Robot, values: Mapping[str, float]) -> dict[str, fl
 
 
 def c_values(module: Module, values: Mapping[str, float]) -> str:
-    """Return a header for the robot's C: a macro that initialises its struct of parameters; empty if it has none."""
+    """Return a C header with a macro that initialises the robot's struct of parameters; empty if there is no struct."""
     ports = module.prepare.inputs if module.prepare is not None else ()
     if not ports:
         return ""
@@ -107,6 +107,6 @@ def c_values(module: Module, values: Mapping[str, float]) -> str:
 
 
 def _literal(value: float) -> str:
-    """Return a number with nine digits, which float and double read alike."""
+    """Return a number with nine digits, so that float and double read the same value."""
     digits = f"{value:.9g}"
     return digits if any(c in digits for c in ".e") else f"{digits}.0"

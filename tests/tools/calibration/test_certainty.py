@@ -89,12 +89,12 @@ def test_a_perfect_umbmark_changes_nothing(tmp_path: Path) -> None:
 
 
 def test_a_known_clock_is_not_estimated(tmp_path: Path) -> None:
-    """Starts and ends of drives determine lengths if the clocks are known."""
+    """Starts and ends of drives determine lengths if the clocks and the tracked point are known."""
     layout = LAYOUTS["tricycle"]
     encoders = Encoders(resolution=2 * np.pi / 400, steer=0.002, slip=0.01)
     paths = written(tmp_path, layout, encoders=encoders)
     change_references(paths, lambda rows: rows[[0, -1]])
-    result = calibrate(derived(layout.text), paths, one_clock=True)
+    result = calibrate(derived(layout.text), paths, one_clock=True, mount=(0.0, 0.0, 0.0))
     for clock in result.clocks.values():
         assert (clock.value, clock.sigma, clock.observable) == (0.0, None, False)
     for name, value in layout.true.items():

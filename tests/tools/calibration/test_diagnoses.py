@@ -128,7 +128,6 @@ def times(rows: Reals, which: slice | int, factor: float) -> Reals:
 FILES: dict[str, tuple[str, slice | int, float, str]] = {
     "headings in degrees": ("truth", 3, DEGREES, "theta .* degrees"),
     "millimetres": ("truth", slice(1, 3), 1000.0, "millimetres"),
-    "inches": ("truth", slice(1, 3), 1 / 0.0254, "inches"),
     "headings clockwise": ("truth", 3, -1.0, "theta .* clockwise"),
     "wheels in turns": ("log", slice(1, 3), 0.5 / np.pi, "turns"),
 }
@@ -145,6 +144,22 @@ def test_a_refusal_names_the_mistake(tmp_path: Path, mistake: str) -> None:
             path.with_suffix(".truth.csv" if file == "truth" else ".csv"),
             partial(times, which=which, factor=factor),
         )
+    with pytest.raises(UsageError, match=said):
+        calibrate(robot_of("diff-square"), paths)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("which", "factor", "said"),
+    [(1, -1.0, r"right\.spin counts the other way"), (slice(1, None), DEGREES, "wheels are in degrees")],
+)
+def test_a_mistake_that_parameters_absorb_is_named(
+    tmp_path: Path, which: int | slice, factor: float, said: str
+) -> None:
+    """Radii that are negative or tiny explain the logs as well, but no robot has them."""
+    paths = shortened(tmp_path, "diff-square", 40.0)
+    for path in paths:
+        change_rows(path, partial(times, which=which, factor=factor))
     with pytest.raises(UsageError, match=said):
         calibrate(robot_of("diff-square"), paths)
 

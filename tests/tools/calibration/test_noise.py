@@ -70,13 +70,11 @@ def test_a_slip_counts_little() -> None:
         assert value == pytest.approx(before, rel=0.34)
 
 
-def test_no_track_gives_what_is_usual() -> None:
-    assert noise([]) == USUAL
-
-
-def test_without_spare_measurements_the_level_is_usual() -> None:
-    """Parameters that fit all poses exactly say nothing of noise."""
-    assert noise([track(np.random.default_rng(1), LEVELS["all"], 0.1)], 0.0) == USUAL
+def test_no_track_gives_the_usual_noise() -> None:
+    """Nor do tracks that unknowns can be fitted to exactly."""
+    assert astuple(noise([])) == pytest.approx(astuple(USUAL))
+    exact = noise([track(np.random.default_rng(1), LEVELS["all"], 0.1)], 0.0)
+    assert astuple(exact) == pytest.approx(astuple(USUAL))
 
 
 def test_differences_are_seen_from_the_first_pose() -> None:
@@ -93,6 +91,7 @@ def test_differences_are_seen_from_the_first_pose() -> None:
         assert len(place) == len(turn) == COUNT - lag
 
 
-def test_a_perfect_track_has_no_noise() -> None:
+def test_a_perfect_track_has_nearly_no_noise() -> None:
+    """400 poses outweigh what is usual."""
     levels: Reals = np.array(astuple(noise([track(np.random.default_rng(1), (0.0,) * 4, 0.1)])))
-    assert np.all(levels < 1e-12)
+    assert np.all(levels < 0.01 * np.array(astuple(USUAL)))

@@ -196,9 +196,9 @@ def test_wrapped_headings_give_what_others_give(tmp_path: Path) -> None:
         assert wrapped.parameters[name].value == pytest.approx(estimate.value, rel=1e-6)
 
 
-@pytest.mark.parametrize("wrapped", [False, True])
+@pytest.mark.parametrize("wrapped", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_starts_and_ends_alone(tmp_path: Path, wrapped: bool) -> None:
-    """Reference poses at the start and at the end of drives that turn by more than a turn, of joints without noise."""
+    """Three drives that turn by more than a turn: as many unknowns as measurements, so no deviation is given."""
 
     def ends(rows: Reals) -> Reals:
         turned = (rows[:, 3] + np.pi) % (2 * np.pi) - np.pi if wrapped else rows[:, 3]
@@ -211,14 +211,15 @@ def test_starts_and_ends_alone(tmp_path: Path, wrapped: bool) -> None:
     assert {"mount.x", "r_left"} <= {name for group in alone.unobservable for name in group}
     result = calibrate(derivation, paths, mount=(0.0, 0.0, 0.0), one_clock=True)
     for parameter, value in layout.true.items():
-        assert result.parameters[parameter].value == pytest.approx(value, rel=1e-3)
+        estimate = result.parameters[parameter]
+        assert abs(estimate.value - value) < 0.02 * value and estimate.sigma is None
 
 
 def test_headings_alone_determine_the_ratio_of_radii_to_track(tmp_path: Path) -> None:
     """As a gyro gives them. They do not determine the scale."""
     layout = LAYOUTS["differential"]
     blank = partial(change_references, change=lambda rows: rows * (1, np.nan, np.nan, 1))
-    result = calibrated(tmp_path, layout, blank)
+    result = calibrated(tmp_path, layout, blank, tracker=NOISY, encoders=ROUGH)
     assert weak_parameters(result) == set(layout.true)
     value = {name: estimate.value for name, estimate in result.parameters.items()}
     for name in ("r_left", "r_right"):
@@ -226,13 +227,12 @@ def test_headings_alone_determine_the_ratio_of_radii_to_track(tmp_path: Path) ->
         assert value[name] / value["half_track"] == pytest.approx(expected, rel=1e-3)
 
 
-@pytest.mark.parametrize("measured", [(1, 1, np.nan, np.nan), (1, 1, 1, np.nan)], ids=["x", "x and y"])
-def test_some_quantities_alone(tmp_path: Path, measured: tuple[float, ...]) -> None:
-    """Values are right where only x, or x and y, were measured."""
+def test_places_alone(tmp_path: Path) -> None:
+    """x and y without a heading determine all parameters."""
     layout = LAYOUTS["differential"]
-    result = calibrated(tmp_path, layout, partial(change_references, change=lambda rows: rows * measured))
-    for parameter, value in layout.true.items():
-        assert result.parameters[parameter].value == pytest.approx(value, rel=3e-4)
+    blank = partial(change_references, change=lambda rows: rows * (1, 1, 1, np.nan))
+    result = calibrated(tmp_path, layout, blank, tracker=NOISY, encoders=ROUGH)
+    check_within(result, layout)
 
 
 def test_a_tracker_that_glitches(tmp_path: Path) -> None:

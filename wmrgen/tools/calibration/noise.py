@@ -23,6 +23,7 @@ from wmrgen.tools.calibration.model import LEVER
 from wmrgen.tools.calibration.path import Complexes, Path, Reals
 
 _ROUNDS = 5  # of weights by expected squares, which follow from the result: it changes by less than 1 % then
+_ERRORS = 0.5  # standard errors that a level is taken higher: few logs may show less noise than there is
 _ROBUST = 25.0  # times the median of squares: larger ones are slips or outliers, and are limited to this
 
 
@@ -163,14 +164,17 @@ def noise(every: list[Track], share: float = 1.0) -> Noise:
             counts.append(share * len(squares) / lag)  # independent differences
     usual = np.array([USUAL.position_walk, USUAL.heading_walk, USUAL.position, USUAL.heading])
     rows, means = np.array([*matrix]).reshape(-1, 4), np.array(values)
-    expected, found = rows @ usual, usual
+    expected, most = rows @ usual, usual
     for _ in range(_ROUNDS if len(rows) else 0):
         weights = np.sqrt(counts) / np.maximum(expected, 1e-12)  # errors of mean squares are relative
         every_row = np.vstack([weights[:, None] * rows, np.diag(1 / usual)])
         sizes = np.linalg.norm(every_row, axis=0)
         found = nnls(every_row / sizes, np.concatenate([weights * means, np.ones(4)]))[0] / sizes
         expected = rows @ found
-    return Noise(*map(float, found))
+        # A mean of n squares is uncertain by a share of sqrt(2 / n).
+        errors = np.sqrt(2 * np.diag(np.linalg.inv((every_row / sizes).T @ (every_row / sizes)))) / sizes
+        most = found + _ERRORS * errors
+    return Noise(*map(float, most))
 
 
 @dataclass(frozen=True, slots=True)

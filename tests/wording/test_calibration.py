@@ -31,7 +31,7 @@ def test_the_verdict_comes_first(tmp_path: Path, wmrgen_cli: Cli) -> None:
     assert good[0] == "differential_with_castor: 3 drives, 60 s"
     assert good[1].startswith("  the new values predict drives that were left out: ")
     bad = wmrgen_cli("calibrate", tmp_path / "robot.yaml", *loaded_and_empty(tmp_path)).out.splitlines()
-    assert bad[1].startswith("  the new values DO NOT USE: on drives that were left out: ")
+    assert bad[1].startswith("  the new values do not predict drives that were left out, DO NOT USE THEM: ")
 
 
 def test_what_is_not_determined_is_named(tmp_path: Path) -> None:
@@ -53,8 +53,8 @@ def test_possible_numbers_of_turns_are_listed(tmp_path: Path) -> None:
     change_references(paths, ends)
     robot = derived(layout.text)
     said = next(note for note in notes(robot.robot, calibrate(robot, paths)) if "turns" in note)
-    assert said.startswith("The reference does not say how often the robot turned. ")
-    assert " 8 turns" in said and said.endswith("Record headings that count turns, or poses on the way.")
+    assert said.startswith("The reference does not determine how often the robot turned. ")
+    assert " 8 turns" in said and said.endswith("Record cumulative headings, or more poses on the way.")
 
 
 def test_what_to_write_instead_of_a_column(tmp_path: Path) -> None:

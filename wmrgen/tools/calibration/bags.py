@@ -75,7 +75,7 @@ def _messages(bag: Path, topic: str, types: Sequence[str]) -> Iterator[tuple[flo
             message: Any = reader.deserialize(data, connection.msgtype)
             stamp = message.header.stamp
             seconds = stamp.sec + 1e-9 * stamp.nanosec
-            yield (seconds or 1e-9 * received), message  # a stamp of 0 is none
+            yield (seconds or 1e-9 * received), message  # a stamp of 0 means that there is no stamp
             count += 1
         if not count:
             raise UsageError(f"{bag}: {topic} has no message")

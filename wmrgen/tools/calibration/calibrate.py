@@ -37,14 +37,14 @@ from wmrgen.tools.calibration.turns import Hypothesis
 from wmrgen.tools.calibration.workers import Map, serial
 
 FOLDS = 5  # parts that logs are left out in, one after the other
-SHORT = 20.0  # [s] of a leg in the first fit: odometry with parameters 10 % off does not lose its way
+SHORT = 20.0  # [s] of a leg in the first fit: odometry with parameters 10 % off still follows it
 _ODDS = 100.0  # to one against a number of turns, above which it is not reported
 _ROUNDS = 3  # of cutting slips: a large one hides small ones
 
 
 @dataclass(frozen=True, slots=True)
 class Determined:
-    """A fit, with its noise and what it determines."""
+    """A fit with its noise, its covariance, and the directions that it leaves open."""
 
     fit: Fit
     noise: Noise

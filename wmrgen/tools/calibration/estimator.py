@@ -1,7 +1,8 @@
 """The estimator: robust least squares over whole logs, with every log eliminated by itself.
 
 The parameters and the mount are the border of the normal equations. The rest is block diagonal: clock and start poses
-of a log meet those of no other. So each log is reduced to a matrix over the border, and the sum over logs is solved.
+of a log do not couple with any other log. So each log is reduced to a matrix over the border, and the sum over logs
+is solved.
 
 Whole paths are compared, and not steps of them: over a second a reference is mostly noise, and clocks are uncertain.
 """
@@ -18,7 +19,7 @@ from wmrgen.tools.calibration.path import Reals
 PRIOR = 0.1  # residuals, in units of the scale, that one unit (10 % of a parameter) away from nominal costs
 FINEST = 1e-4  # [m] the least scale: a tenth of a millimetre is below any reference
 _STEPS = 60  # at most; ten are usual
-_NEAR = 1e-2  # residuals in units of the scale: a step that changes the cost by its square changes nothing
+_NEAR = 1e-2  # residuals in units of the scale: a smaller change of the cost than its square is negligible
 _DAMP = 1e-3  # of the diagonal: the first damping after a step that failed (Marquardt 1963)
 _LEAST = 1e-9  # of a start of a leg: far below what one pose says
 _TYPICAL = 1.5  # times the median residual: the standard deviation of a normal distribution

@@ -81,7 +81,7 @@ def thinned(log: Log, increments: Increments, nominal: Reals) -> Log:
         if not joint.endswith(".steer"):
             columns[joint] = np.add.reduceat(column, firsts)
             continue
-        # A steering angle counts as far as its wheel rolls, or by time where the wheel does not roll.
+        # A steering angle is averaged over the rotation of its wheel, or over time if the wheel does not roll.
         rolled = np.abs(log.columns.get(f"{joint.removesuffix('.steer')}.spin", np.zeros_like(column)))
         weight = rolled + 1e-9 * np.diff(log.t)
         columns[joint] = np.add.reduceat(weight * column, firsts) / np.add.reduceat(weight, firsts)

@@ -1,11 +1,11 @@
-"""The measurement model: what a log's reference poses and redundant joints should read, and how far they are off.
+"""The measurement model: predicted reference poses and redundant joint readings of a log, and the residuals.
 
 Unknowns. All logs share the parameters and the mount, which is the place and the heading of the tracked point on the
 robot. Each log has a clock offset, and each of its legs a start pose. A leg is a stretch without a slip: where wheels
 slip, the path before and behind keeps its shape, and a new leg begins. Shared unknowns are counted in units away from
 nominal: 10 % of a parameter, 0.1 m and 0.1 rad of the mount.
 
-Residuals are metres. A heading counts as the arc that it makes at `LEVER`. The loss is soft L1 (Huber's in smooth
+Residuals are metres. A heading error is the arc that it makes at `LEVER`. The loss is soft L1 (Huber's in smooth
 form), so a few large residuals count by their size and not by their square.
 """
 
@@ -74,7 +74,7 @@ class Rows:
 
     values: Reals  # (3, n) [m] x, y and heading
     by: Reals  # (3, n, S + 4) derivatives by the shared unknowns, in units, the clock, and the start of its leg
-    weights: Reals  # (3, n), 0 of what was not measured
+    weights: Reals  # (3, n), 0 if not measured
     known: Booleans  # (n,) whether a pose is the log's first one and `start_error` is given
     place: Complexes  # (n,) [m] of the tracked point
     heading: Reals  # (n,) [rad] of the robot

@@ -2,11 +2,11 @@
 
 Odometry errs by a random walk: between two reference poses, place and heading get independent errors with variances
 proportional to the distance travelled. Reference poses have white noise. All four variances enter linearly into the
-mean square of what odometry and reference differ by between two poses. So they are found by non-negative least squares
-over differences at lags from one pose to the whole log.
+mean square of the difference of odometry and reference between two poses. So they are found by non-negative least
+squares over differences at lags from one pose to the whole log.
 
-The estimator takes residuals for independent, and they are not: an error of a walk stays in all later poses. So the
-covariance is the sandwich of both, B^-1 M B^-1, with the matrix B of the normal equations and the covariance M of their
+The estimator treats residuals as independent, but an error of the walk remains in all later poses. So the covariance
+is the sandwich of both, B^-1 M B^-1, with the matrix B of the normal equations and the covariance M of their
 gradient under this noise.
 """
 
@@ -24,7 +24,7 @@ from wmrgen.tools.calibration.path import Complexes, Path, Reals
 
 _ROUNDS = 5  # of weights by expected squares, which follow from the result: it changes by less than 1 % then
 _ERRORS = 0.5  # standard errors that a level is taken higher: few logs may show less noise than there is
-_ROBUST = 25.0  # times the median of squares: larger ones are slips or outliers, and count as this
+_ROBUST = 25.0  # times the median of squares: larger ones are slips or outliers, and are limited to this
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,13 +37,13 @@ class Noise:
     heading: float  # [rad^2] of a reference pose
 
 
-# Of many robots: 1 cm and 1 deg after 1 m, poses to 5 mm and 0.3 deg.
+# Usual for many robots: 1 cm and 1 deg after 1 m, poses to 5 mm and 0.3 deg.
 USUAL = Noise(1e-4, 3e-4, 2.5e-5, 2.5e-5)
 
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """One leg at its n reference poses that have a heading or a place: odometry beside the reference."""
+    """Odometry and reference of one leg, at its n reference poses that have a heading or a place."""
 
     log: int  # number of the log
     t: Reals  # (n,) [s] on the clock of the reference
@@ -119,7 +119,7 @@ def spare(fit: Fit) -> float:
 def of_fit(fit: Fit) -> Noise:
     """Return the variances that the residuals of an estimate show.
 
-    Where the reference has one coordinate alone, all residuals count as noise of the reference.
+    If the reference has one coordinate alone, all residuals are treated as noise of the reference.
     """
     every, share = tracks(fit), spare(fit)
     if every or share == 0:
@@ -132,12 +132,12 @@ def of_fit(fit: Fit) -> Noise:
 def noise(every: list[Track], share: float = 1.0) -> Noise:
     """Estimate the four variances from the legs of all logs.
 
-    What is usual counts as one difference more. So a few poses, which parameters can be fitted to exactly, do not make
+    Usual values count as one more difference. So a few poses, which parameters can be fitted to exactly, do not make
     the result look certain.
 
     Args:
         every: The legs.
-        share: Of the measurements that the unknowns leave for noise, see `spare`.
+        share: Share of the measurements that the unknowns leave for noise, see `spare`.
     """
     matrix, values, counts = [], [], []
     longest = max((len(track.place) for track in every), default=0)
@@ -234,7 +234,7 @@ def _gradient_covariance(fit: Fit, index: int, log: Reduced, level: Noise, joint
         index: The log's number.
         log: Its normal equations.
         level: Variances of odometry and reference.
-        joints: Mean square of what redundant joints are off by [m^2].
+        joints: Mean square of the residuals of redundant joints [m^2].
     """
     one, problem, count = fit.rows[index], fit.problem, len(fit.problem.nominal)
     scale, width = problem.scale, len(problem.origin) + 1

@@ -81,7 +81,7 @@ class Increments:
     twist: OfColumns  # vx, vy, omega and their derivatives by each parameter, of columns of all inputs
     rows: (
         OfColumns | None
-    )  # what each measured row is off by, and its derivatives; None without redundant joints
+    )  # the residual of each measured row, and its derivatives; None without redundant joints
 
     @staticmethod
     def of(forward: Function, rows: Function | None, scaled: Sequence[str] = ()) -> Increments:

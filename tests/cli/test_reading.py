@@ -19,9 +19,9 @@ PIONEER = str(ROOT / "robots" / "pioneer3dx.yaml")
 # regular files and reads a limited size. The other modules read files that wmrgen has written or comes with.
 OPEN = {
     "robotfile/text.py": "the reader of files that a user names",
-    "tools/calibrating/tables.py": "logs, after `wmrgen calibrate` has checked that they are regular files",
-    "tools/calibrating/stored.py": "temporary files of its own",
-    "tools/calibrating/written.py": "a robot file that the reader has accepted",
+    "tools/calibration/tables.py": "logs, after `wmrgen calibrate` has checked that they are regular files",
+    "tools/calibration/bags.py": "ROS bags, by the library rosbags",
+    "tools/calibration/written.py": "a robot file that the reader has accepted",
     "derivation/artifacts.py": "generated files, and the log of a bug",
     "report/pages/overview.py": "generated models",
     "report/pages/document.py": "scripts and fonts that come with wmrgen",

@@ -72,4 +72,4 @@ def test_only_calibration_imports_scipy() -> None:
         if "from scipy" in path.read_text(encoding="utf-8")
         or "import scipy" in path.read_text(encoding="utf-8")
     }
-    assert users == {("tools", "calibrating")}
+    assert users == {("tools", "calibration")}

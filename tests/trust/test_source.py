@@ -51,11 +51,7 @@ HOMES = {
     "defusedxml": {"tools/importing/read"},
     "xacro": {"tools/importing/xacro"},
 }
-WRITERS = {
-    "derivation/artifacts",
-    "codegen/compiler",
-    "tools/calibrating/stored",
-}  # the last two in temporary folders of their own
+WRITERS = {"derivation/artifacts", "codegen/compiler"}  # the last one in temporary folders of its own
 WRITING = {
     "write_text",
     "write_bytes",

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import asdict, dataclass
-from itertools import count
+from dataclasses import asdict
 from math import degrees, inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,15 +13,16 @@ import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Robot, argument, flag, option, output, verb
 from wmrgen.cli.loading import print_notes
+from wmrgen.cli.values import from_words
 from wmrgen.errors import UsageError
+from wmrgen.geometry.ports import Port, Role
 from wmrgen.robotfile.text import bytes_of
 
 if TYPE_CHECKING:
     from wmrgen.derivation.facade import Derivation
-    from wmrgen.tools.calibrating.calibrate import Calibration
-    from wmrgen.tools.calibrating.fit import Problem, Result, Task
-    from wmrgen.tools.calibrating.observability import Course
-    from wmrgen.tools.calibrating.path import Reals
+    from wmrgen.tools.calibration.errors import Errors
+    from wmrgen.tools.calibration.plan import Course
+    from wmrgen.tools.calibration.result import Calibration
 
 
 @verb("calibrate")
@@ -38,6 +38,13 @@ def calibrate(
             "Reference poses: columns t, x, y, theta. Once for each log; default LOG.truth.csv.", "POSES.csv"
         ),
     ] = None,
+    bag: Annotated[
+        list[Path] | None, option("A ROS bag instead of logs, with --poses. Once for each drive.", "BAG")
+    ] = None,
+    poses: Annotated[
+        str | None, option("Topic of the bag's odometry or pose of a tracked body.", "TOPIC")
+    ] = None,
+    joint_states: Annotated[str, option("Topic of the bag's joint readings.", "TOPIC")] = "/joint_states",
     out: Annotated[Path | None, output("ROBOT.yaml", "Write the robot file with the new values.")] = None,
     files: Annotated[
         Path | None,
@@ -50,105 +57,129 @@ def calibrate(
     one_clock: Annotated[
         bool, flag("--one-clock", "Log and reference share a clock: estimate no time offset.")
     ] = False,
+    mount: Annotated[
+        str | None,
+        option("Place and heading of the tracked body on the robot, if they are known.", "X,Y,THETA"),
+    ] = None,
     start_error: Annotated[
-        float,
-        option(
-            "Standard error of the first reference pose of each drive [m]. Without it the start is unknown.",
-            "0.001",
-        ),
+        float, option("Standard deviation of each first reference pose [m]: the robot starts at a mark.", "M")
     ] = inf,
+    gain: Annotated[
+        list[str] | None,
+        option("Estimate the scale of a joint's readings, such as front.steer. Once for each.", "JOINT"),
+    ] = None,
+    workers: Annotated[int, option("Read the logs in N processes.", "N")] = 1,
     scheduler: Annotated[
-        str | None, option("Process the drives on the Dask cluster of this scheduler.", "ADDRESS")
+        str | None, option("Read the logs on the Dask cluster of this scheduler.", "ADDRESS")
     ] = None,
     as_json: Json = False,
 ) -> int:
-    """Example:  wmrgen calibrate robot.yaml run-1.csv run-2.csv
+    """Example:  wmrgen calibrate robot.yaml run-*.csv
 
-    Estimate the tunable parameters, with standard deviations, from joint readings and reference poses. Parameters that
-    the drives do not determine are reported, with drives that would determine them.
+    Estimate the tunable parameters from joint readings and reference poses. The verdict comes first: whether the new
+    parameters predict drives that they were not fitted to. Exit code 1, and no file, if they do not.
     """
-    from wmrgen.derivation.artifacts import write_file
-    from wmrgen.tools.calibrating.calibrate import problem_of
-    from wmrgen.tools.calibrating.written import told as new_values
-    from wmrgen.tools.calibrating.written import with_values
+    from wmrgen.tools.calibration.calibrate import calibrate as estimate
+    from wmrgen.tools.calibration.calibrate import increments_of
+    from wmrgen.tools.calibration.workers import cluster, pool, serial
 
     with console.progress() as step:
         step(f"deriving {robot}")
         derivation = wmrgen.derive(print_notes(wmrgen.load(robot)))
+        if bag or poses:
+            if logs or not bag or not poses:
+                raise UsageError("a bag needs both --bag and --poses, and no CSV files")
+            step(f"reading {len(bag)} bags")
+            logs, truth = _of_bags(derivation, bag, poses, joint_states)
         if not logs:
             if not plan:
                 raise UsageError(
-                    "no log is given: wmrgen calibrate ROBOT.yaml LOG.csv…, or --plan for drives to make"
+                    "no log is given: write wmrgen calibrate ROBOT.yaml LOG.csv…, or --plan for drives to record"
                 )
             step(f"planning drives of {derivation.robot.name}")
-            planned = _Plan.of(problem_of(derivation, one_clock), derivation, precision)
-        else:
-            for path in (*logs, *(truth or ())):
-                if path.exists():
-                    bytes_of(path, 0)  # RobotFileError for a device or a pipe, which might never end
-            result = _estimated(derivation, logs, truth or (), one_clock, start_error, scheduler, step)
-            values = new_values(result)
-            if out is not None:
-                write_file(out, with_values(robot, values).encode())
-            if files is not None:
-                _write_all(files, robot, derivation, result, values)
-            remarks = _Remarks.of(derivation, result)
-            fit = result.fit
-            more = _Plan.of(fit.problem, derivation, precision, fit.information) if plan else None
-    if not logs:
-        if as_json:
-            unobservable = [list(group) for group in planned.never]
-            console.data({"plan": planned.as_data(), "unobservable": unobservable})
-        else:
-            planned.show()
-        return 0
-    if as_json:
-        planned_too = {} if more is None else {"plan": more.as_data()}
-        console.data(_as_data(result, remarks) | planned_too)
-        return 0
-    _show(derivation.robot.name, result, remarks)
+            increments_of(derivation)
+            courses, never = _planned(derivation, precision, None, gain or ())
+            _show_plan(courses, never, precision, as_json)
+            return 0
+        for path in () if bag else (*logs, *(truth or ())):
+            if path.exists():
+                bytes_of(path, 0)  # RobotFileError for a device or a pipe, which might never end
+        step(f"calibrating {derivation.robot.name} with {len(logs)} files")
+        every = cluster(scheduler) if scheduler else pool(workers) if workers > 1 else nullcontext(serial)
+        with every as mapped:
+            result = estimate(
+                derivation, logs, truth or (), one_clock=one_clock, mount=_mount(mount), start_error=start_error,
+                gains=gain or (), mapped=mapped,
+            )  # fmt: skip
+        good = result.verdict is None or result.verdict.better
+        if good:
+            _write(robot, derivation, result, out, files)
+        more = _planned(derivation, precision, result, gain or ()) if plan or result.unobservable else None
+    data = _as_data(derivation, result)
     if more is not None:
-        more.show()
-    return 0
+        data["plan"] = _plan_data(more[0])
+    if as_json:
+        console.data(data)
+    else:
+        _show(derivation, result)
+        if more is not None:
+            _show_plan(*more, precision, False)
+    return 0 if good else 1
 
 
-def _estimated(
-    derivation: Derivation,
-    logs: Sequence[Path],
-    references: Sequence[Path],
-    one_clock: bool,
-    start_error: float,
-    scheduler: str | None,
-    step: Callable[[str], None],
-) -> Calibration:
-    """Return the estimate from the logs; ``step`` shows how often the drives have been evaluated."""
-    from wmrgen.tools.calibrating.calibrate import calibrate
-    from wmrgen.tools.calibrating.cluster import cluster
-    from wmrgen.tools.calibrating.fit import serial
+def _of_bags(
+    derivation: Derivation, bags: Sequence[Path], poses: str, states: str
+) -> tuple[list[Any], list[Any]]:
+    """Return logs and references of bags, as columns by name.
 
-    passes = count(1)
-    with nullcontext(serial) if scheduler is None else cluster(scheduler) as each:
+    Args:
+        derivation: The robot's.
+        bags: A bag for each drive.
+        poses: Topic of the reference poses.
+        states: Topic of the joint readings.
+    """
+    from wmrgen.tools.calibration.bags import tables
+    from wmrgen.tools.calibration.calibrate import increments_of
 
-        def with_progress(problem: Problem, unknowns: Reals, task: Task[Result]) -> Sequence[Result]:
-            number = len(problem.drives)
-            drives = f"{number} drive{'s' * (number > 1)}"
-            step(f"fitting {derivation.robot.name} to {drives}, pass {next(passes)}")
-            return each(problem, unknowns, task)
-
-        return calibrate(derivation, logs, references, with_progress, one_clock, start_error)
+    joints = increments_of(derivation)[0].joints
+    every = [tables(bag, derivation.robot, joints, poses, states) for bag in bags]
+    return [log for log, _ in every], [reference for _, reference in every]
 
 
-def _write_all(
-    folder: Path, robot: Path, derivation: Derivation, result: Calibration, values: dict[str, float]
+def _mount(text: str | None) -> tuple[float, float, float] | None:
+    """Return x, y [m] and heading [rad] of a text like ``0.1,-20 mm,90 deg``."""
+    if text is None:
+        return None
+    words = text.split(",")
+    if len(words) != len(_MOUNT):
+        raise UsageError(f"--mount {text} is not X,Y,THETA, such as 0.1,-20 mm,90 deg")
+    case = from_words([f"{port.name}={word}" for port, word in zip(_MOUNT, words, strict=True)], _MOUNT)
+    return float(case["x"]), float(case["y"]), float(case["theta"])
+
+
+def _write(
+    robot: Path, derivation: Derivation, result: Calibration, out: Path | None, folder: Path | None
 ) -> None:
-    """Write the new robot file, the picture, parameters for ROS and the numbers for the C."""
-    from wmrgen.derivation.artifacts import write_file
-    from wmrgen.tools.calibrating.picture import picture
-    from wmrgen.tools.calibrating.written import c_values, controllers, with_values
+    """Write the new robot file, and the files for others.
 
+    Args:
+        robot: The robot file.
+        derivation: Its derivation.
+        result: The calibration.
+        out: Where the new robot file goes; None: nowhere.
+        folder: Where all files go; None: nowhere.
+    """
+    from wmrgen.derivation.artifacts import write_file
+    from wmrgen.tools.calibration.written import c_values, controllers, new_values, with_values
+
+    values = new_values(result)
+    if out is not None:
+        write_file(out, with_values(robot, values, result.joint_noise).encode())
+    if folder is None:
+        return
     name = derivation.robot.name
-    write_file(folder / robot.name, with_values(robot, values).encode())
-    write_file(folder / f"{name}_calibration.svg", picture(result).encode())
+    write_file(folder / robot.name, with_values(robot, values, result.joint_noise).encode())
+    write_file(folder / f"{name}_calibration.svg", result.figure().encode())
     nominal = {p.name: float(p.nominal) for p in derivation.robot.tunable}
     if header := c_values(derivation.c_module, nominal | values):
         write_file(folder / f"{name}_calibrated.h", header.encode())
@@ -159,121 +190,135 @@ def _write_all(
         console.note(f"no parameters for ROS: {why}")
 
 
-@dataclass(frozen=True, slots=True)
-class _Remarks:
-    """What a calibration reports in addition to its parameters."""
-
-    by_joint: dict[str, float]  # rms residual of the readings of a joint [rad], by joint
-    counts_per_turn: dict[str, float]  # of encoders, with the nominal radius, by joint
-    notes: list[str]
-
-    @staticmethod
-    def of(derivation: Derivation, result: Calibration) -> _Remarks:
-        """Return the remarks on a calibration."""
-        from wmrgen.tools.calibrating.drawn import by_joint
-        from wmrgen.tools.calibrating.notes import notes
-        from wmrgen.tools.calibrating.written import counts_per_turn, told
-
-        values = {name: e.nominal for name, e in result.parameters.items()} | told(result)
-        counts = counts_per_turn(derivation.robot, values)
-        return _Remarks(by_joint(derivation, result.fit), counts, notes(derivation, result))
-
-
-def _as_data(result: Calibration, remarks: _Remarks) -> dict[str, Any]:
+def _as_data(derivation: Derivation, result: Calibration) -> dict[str, Any]:
     """Return a calibration for JSON."""
-    from wmrgen.tools.calibrating.drawn import by_time
+    from wmrgen.tools.calibration.written import equivalent_counts
 
-    residuals = {}
-    for name, rows in by_time(result.fit).items():
-        residuals[name] = [dict(zip(("t", "position", "heading"), row, strict=True)) for row in rows]
-    errors = {"before": result.before, "after": result.after, "held_out": result.held_out}
+    values = {name: e.value for name, e in result.parameters.items()}
+    verdict = result.verdict
     return {
+        "better": None if verdict is None else verdict.better,
         "parameters": {name: asdict(e) for name, e in result.parameters.items()},
         "unobservable": [list(group) for group in result.unobservable],
-        "notes": remarks.notes,
-        "counts_per_turn": remarks.counts_per_turn,
-        "rms": result.fit.rms[0],
-        "rms_heading": result.fit.rms[1],
-        "mount": dict(zip(("x", "y", "theta"), result.fit.mount, strict=True)),
-        "clock_offsets": result.clocks,
-        "clock_sigmas": result.clock_deviations,
-        "residuals": {"by_time": residuals, "by_joint": remarks.by_joint},
-        "outliers": [asdict(slip) for slip in result.outliers],
-        "errors": {name: None if error is None else asdict(error) for name, error in errors.items()},
+        "covariance": result.covariance.tolist(),
+        "counts_per_turn": equivalent_counts(derivation.robot, values),
+        "rms": result.after.position,
+        "rms_heading": result.after.heading,
+        "mount": {name: asdict(e) for name, e in result.mount.items()},
+        "clocks": {name: asdict(e) for name, e in result.clocks.items()},
+        "noise": {name: getattr(result.noise, name) ** 0.5 for name in _NOISE},
+        "joint_noise": None if result.joint_noise is None else asdict(result.joint_noise),
+        "slips": [asdict(slip) for slip in result.slips],
+        "turns": result.turns if isfinite(result.turns) else None,
+        "alternatives": [asdict(other) for other in result.alternatives],
+        "errors": {
+            "before": asdict(result.before),
+            "after": asdict(result.after),
+            "nominal": None if verdict is None else asdict(verdict.nominal),
+            "held_out": None if verdict is None else asdict(verdict.held_out),
+        },
+        "notes": _notes(derivation, result),
     }
 
 
-def _show(robot: str, result: Calibration, remarks: _Remarks) -> None:
-    """Print a calibration."""
-    drives = result.fit.problem.drives
-    seconds = sum(float(d.t[-1] - d.t[0]) for d in drives)
-    number = len(result.clocks)
-    console.result(f"{robot}: {number} drive{'s' * (number > 1)}, {seconds:.0f} s")
+_MOUNT = [Port("x", Role.STATE, "m"), Port("y", Role.STATE, "m"), Port("theta", Role.STATE, "rad")]
+_NOISE = ("position_walk", "heading_walk", "position", "heading")
+
+
+def _show(derivation: Derivation, result: Calibration) -> None:
+    """Print a calibration, the verdict first."""
+    logs, verdict = result.fit.problem.logs, result.verdict
+    number, seconds = len({log.name for log in logs}), sum(log.seconds for log in logs)
+    console.result(f"{derivation.robot.name}: {number} drive{'s' * (number > 1)}, {seconds:.0f} s")
+    if verdict is None:
+        console.result(
+            "  no verdict: all of these drives are needed for the fit, so no drive is left for a test; record more"
+        )
+    else:
+        word = (
+            "predict drives that were left out"
+            if verdict.better
+            else "do not predict drives that were left out, DO NOT USE THEM"
+        )
+        console.result(
+            f"  the new values {word}: {_errors(verdict.held_out)}, nominal ones {_errors(verdict.nominal)}"
+        )
     width = max(map(len, result.parameters))
     for name, e in result.parameters.items():
         change = f" ({100 * (e.value / e.nominal - 1):+.2f} %)" if e.nominal else ""
-        weak = "" if e.observable else "  not observable"
-        deviation = f"{e.sigma:.1g}" if isfinite(e.sigma) else "?"
-        console.result(
-            f"  {name:<{width}} = {e.value:.6g} +- {deviation}   nominal {e.nominal:g}{change}{weak}"
-        )
-    x, y, theta = result.fit.mount
+        sigma = "" if e.sigma is None else f" +- {e.sigma:.1g}"
+        weak = "" if e.observable else "  not determined"
+        console.result(f"  {name:<{width}} = {e.value:.6g}{sigma}   nominal {e.nominal:g}{change}{weak}")
     console.result(
-        f"  tracked point at x = {x:.4f}, y = {y:.4f} m of the robot, turned by {degrees(theta):.2f} deg"
+        f"  odometry of all drives: {_errors(result.before)} before, {_errors(result.after)} after"
     )
-    rows = [("before", result.before), ("after", result.after), ("of drives left out", result.held_out)]
-    for title, errors in rows:
-        if errors is not None and isfinite(errors.position):
-            console.result(
-                f"  odometry {title}: {1000 * errors.position:.1f} mm and {degrees(errors.heading):.2f} deg (rms)"
-            )
-    rounding = 1e-9  # rad
-    joints = [f"{joint} {value:.2g}" for joint, value in remarks.by_joint.items() if value > rounding]
-    if joints:
-        console.result(f"  residuals of joint readings, rad (rms): {', '.join(joints)}")
-    for joint, counts in remarks.counts_per_turn.items():
-        console.result(f"  or, with the nominal radius, {joint} has {counts:.8g} counts a turn")
-    for note in remarks.notes:
+    for note in _notes(derivation, result):
         console.note(note)
 
 
-@dataclass(frozen=True, slots=True)
-class _Plan:
-    """Drives that determine the parameters."""
+def _errors(errors: Errors) -> str:
+    """Return root mean squares in words."""
+    parts = []
+    if isfinite(errors.position):
+        parts.append(f"{1000 * errors.position:.1f} mm")
+    if isfinite(errors.heading):
+        parts.append(f"{degrees(errors.heading):.2f} deg")
+    return " and ".join(parts) or "no whole pose"
 
-    # After which every parameter has the precision; None if no drives reach it.
-    courses: Sequence[Course] | None
-    never: Sequence[Sequence[str]]  # groups of parameters that no drive can determine separately
-    precision: float  # standard deviation relative to the nominal value
 
-    @staticmethod
-    def of(
-        problem: Problem, derivation: Derivation, precision: float, information: Reals | None = None
-    ) -> _Plan:
-        """Plan drives in addition to those whose ``information`` matrix is given."""
-        from wmrgen.tools.calibrating.observability import blind, offers, plan
+def _notes(derivation: Derivation, result: Calibration) -> list[str]:
+    """Return what else a user should know, a sentence each."""
+    from wmrgen.tools.calibration.notes import notes
 
-        choices = offers(problem, derivation)
-        courses = plan(problem, choices, precision, information)
-        return _Plan(courses, blind(problem, choices), precision)
+    return notes(derivation.robot, result)
 
-    def as_data(self) -> list[dict[str, Any]] | None:
-        """Return the drives for JSON."""
-        if self.courses is None:
-            return None
-        return [{"drive": course.text, "seconds": course.seconds} for course in self.courses]
 
-    def show(self) -> None:
-        """Print the drives."""
-        for group in self.never:
-            if len(group) == 1:
-                console.note(f"no drive determines {group[0]}: measure it")
-            else:
-                console.note(f"no drive determines {' and '.join(group)} separately: measure one of them")
-        percent = f"{100 * self.precision:g} %"
-        if self.courses is None:
-            console.result(f"none of the drives makes every parameter certain to {percent}")
-        elif not self.courses:
-            console.result(f"the drives make every parameter certain to {percent} already")
-        for course in self.courses or ():
-            console.result(f"{course.text}: {course.seconds:.0f} s")
+def _planned(
+    derivation: Derivation, precision: float, result: Calibration | None, gains: Sequence[str]
+) -> tuple[Sequence[Course] | None, Sequence[Sequence[str]]]:
+    """Return drives that determine the parameters, and groups that no drive determines.
+
+    Args:
+        derivation: The robot.
+        precision: Standard deviation of each parameter, relative to nominal.
+        result: A calibration, whose drives are counted; None: there are no drives yet.
+        gains: Joints whose readings have an unknown scale.
+    """
+    from wmrgen.tools.calibration.plan import existing, plan, problem_of_plan
+
+    problem, choices, blind = problem_of_plan(derivation, gains)
+    return plan(choices, problem, precision, existing(result)), blind
+
+
+def _plan_data(courses: Sequence[Course] | None) -> list[dict[str, Any]] | None:
+    if courses is None:
+        return None
+    return [{"drive": course.text, "seconds": course.seconds} for course in courses]
+
+
+def _show_plan(
+    courses: Sequence[Course] | None, never: Sequence[Sequence[str]], precision: float, as_json: bool
+) -> None:
+    """Print planned drives.
+
+    Args:
+        courses: The drives; None: no drives reach the precision.
+        never: Groups of parameters that no drive determines separately.
+        precision: Standard deviation of each parameter, relative to nominal.
+        as_json: Whether to print JSON.
+    """
+    if as_json:
+        console.data({"plan": _plan_data(courses), "unobservable": [list(group) for group in never]})
+        return
+    for group in never:
+        if len(group) == 1:
+            console.note(f"no drive determines {group[0]}: measure it")
+        else:
+            console.note(f"no drive determines {' and '.join(group)} separately: measure one of them")
+    percent = f"{100 * precision:g} %"
+    if courses is None:
+        console.result(f"no set of these drives determines every parameter to {percent}")
+    elif not courses:
+        console.result(f"the drives already determine every parameter to {percent}")
+    for course in courses or ():
+        console.result(f"{course.text}: {course.seconds:.0f} s")

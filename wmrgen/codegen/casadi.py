@@ -186,24 +186,33 @@ def _mapped(function: ca.Function, columns: int) -> ca.Function:
 
 
 def sensitivity(
-    function: Function, outputs: Sequence[str], inputs: Sequence[str], parameters: Sequence[str]
+    function: Function,
+    outputs: Sequence[str],
+    inputs: Sequence[str],
+    parameters: Sequence[str],
+    scaled: Sequence[str] = (),
 ) -> OfColumns:
-    """Return some outputs of a function with their exact derivatives with respect to parameters.
+    """Return some outputs of a function with their exact derivatives with respect to parameters and scales.
 
     Args:
         function: A function of the robot.
         outputs: Contract names of the outputs.
         inputs: Contract names of the first rows of the argument.
-        parameters: Contract names of the other rows of the argument.
+        parameters: Contract names of the rows after these.
+        scaled: Wheels and joints such as ``front.steer``, each for one more row: the factor of its angle and its rate.
 
     Returns:
-        A function of columns (inputs + parameters, N). Its result has the shape (outputs * (1 + parameters), N): the
-        outputs, then their derivatives with respect to the first parameter, the second, and so on.
+        A function of columns (inputs + parameters + scaled, N). Its result has the shape (outputs * (1 + parameters +
+        scaled), N): the outputs, then their derivatives with respect to the first parameter, the second, and so on.
     """
     whole = to_casadi(function, "whole")
     names = [*inputs, *parameters]
-    symbols = ca.SX.sym("columns", len(names))
-    results = whole(**{name: symbols[i] for i, name in enumerate(names)})
+    symbols = ca.SX.sym("columns", len(names) + len(scaled))
+    arguments = {name: symbols[i] for i, name in enumerate(names)}
+    for k, joint in enumerate(scaled):
+        for name in {joint, f"{joint}_rate"} & set(inputs):
+            arguments[name] *= symbols[len(names) + k]
+    results = whole(**arguments)
     values = ca.vertcat(*(results[name] for name in outputs))
     by = ca.jacobian(values, symbols[len(inputs) :])
     return OfColumns(ca.Function("sensitivity", [symbols], [ca.densify(ca.vertcat(values, ca.vec(by)))]))

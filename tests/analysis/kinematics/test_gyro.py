@@ -16,7 +16,7 @@ from tests.oracle.weighted import LAYOUTS
 from tests.robots import of_text
 from tests.tools.lint.test_rules import linted
 from wmrgen.errors import RobotFileError
-from wmrgen.tools.calibrating.calibrate import problem_of
+from wmrgen.tools.calibration.calibrate import increments_of
 
 PODS = [
     {"type": "swedish", "x": x, "y": y, "heading": turned, "gamma": 0.0, "sensed": ["spin"], "actuated": []}
@@ -119,7 +119,7 @@ def test_a_step_of_angles_takes_the_angle_of_the_gyro() -> None:
 def test_calibration_goes_by_the_joints() -> None:
     tunable = "parameters: {h: {value: 0.2, tunable: true}}\ngyro: {}\n"
     d = of_text(robot_text(LAYOUTS["differential"], extra=tunable).replace("y: 0.2,", "y: h,"))
-    assert set(problem_of(d).increments.joints) == {"w0.spin", "w1.spin"}
+    assert set(increments_of(d)[0].joints) == {"w0.spin", "w1.spin"}
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,77 @@
+"""The result of a calibration: parameters, the fit behind them, and a verdict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from wmrgen.tools.calibration.errors import Drawn, Errors, drawn
+from wmrgen.tools.calibration.estimator import Fit
+from wmrgen.tools.calibration.joint_noise import JointNoise
+from wmrgen.tools.calibration.noise import Noise
+from wmrgen.tools.calibration.observability import Estimate
+from wmrgen.tools.calibration.path import Reals
+from wmrgen.tools.calibration.picture import picture
+from wmrgen.tools.calibration.slips import Slip
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """Another number of turns that the logs allow."""
+
+    turns: float  # in the rotation that is least certain
+    odds: float  # of the chosen number against this one
+    parameters: dict[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Errors of odometry from the first pose of each leg on, over the same poses of the same logs."""
+
+    nominal: Errors
+    held_out: Errors  # each log with parameters and mount from other logs
+    folds: int
+    blind: tuple[str, ...]  # unknowns that some folds do not determine
+
+    @property
+    def better(self) -> bool:
+        """Whether the parameters predict logs that they were not fitted to better than nominal ones."""
+        return self.held_out.total < self.nominal.total
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """The result."""
+
+    fit: Fit
+    parameters: dict[str, Estimate]
+    mount: dict[str, Estimate]
+    clocks: dict[str, Estimate]  # by log
+    unobservable: tuple[tuple[str, ...], ...]  # parameters that are determined only together, or not at all
+    covariance: Reals  # (P, P) of the parameters, in SI units
+    noise: Noise
+    joint_noise: JointNoise | None  # None: odometry shows no random walk
+    slips: tuple[Slip, ...]
+    turns: float  # in the rotation that is least certain; nan where no number was in doubt
+    alternatives: tuple[Alternative, ...]
+    before: Errors
+    after: Errors
+    verdict: (
+        Verdict | None
+    )  # None: no log can be left out, because the others do not determine the parameters
+
+    def residuals(self, nominal: bool = False) -> list[Drawn]:
+        """Return odometry and reference of each log.
+
+        Args:
+            nominal: Whether to use nominal parameters and mount instead of the fitted ones.
+        """
+        problem = self.fit.problem
+        shared = problem.origin if nominal else self.fit.state.shared
+        return [drawn(problem, index, shared, float(own[0])) for index, own in enumerate(self.fit.state.own)]
+
+    def figure(self) -> str:
+        """Return an SVG of paths, errors and parameters."""
+        return picture(self.residuals(nominal=True), self.residuals(), self.parameters)
+
+    def _repr_svg_(self) -> str:
+        return self.figure()

@@ -309,9 +309,8 @@ def verdict(found: Determined) -> Verdict | None:
             clock = float(state.own[index][0])
             nominal.append(drawn(left, k, problem.origin, clock))
             held.append(drawn(left, k, fit.state.shared, clock))
-    if not held:
-        return None
-    return Verdict(errors(nominal), errors(held), count, tuple(sorted(blind)))
+    result = Verdict(errors(nominal), errors(held), count, tuple(sorted(blind)))
+    return result if result.held_out.measured else None
 
 
 def _pieces(problem: Problem) -> list[tuple[int, tuple[int, ...]]]:

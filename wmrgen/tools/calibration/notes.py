@@ -66,12 +66,14 @@ def _and(names: Sequence[str]) -> str:
 
 
 def _mount(result: Calibration) -> list[str]:
-    if not all(e.sigma for e in result.mount.values()):  # None: not determined, 0: known
-        return []
-    x, y, theta = (result.mount[name].value for name in ("x", "y", "theta"))
-    return [
-        f"The tracked point is at x = {x:.4f}, y = {y:.4f} m of the robot, turned by {degrees(theta):.2f} deg."
-    ]
+    said = []  # of what has a deviation: None is not determined, 0 is known
+    if result.mount["x"].sigma:
+        said.append(f"x = {result.mount['x'].value:.4f} m")
+    if result.mount["y"].sigma:
+        said.append(f"y = {result.mount['y'].value:.4f} m")
+    if result.mount["theta"].sigma:
+        said.append(f"a heading of {degrees(result.mount['theta'].value):.2f} deg")
+    return [f"The tracked body is at {', '.join(said)} on the robot."] if said else []
 
 
 def _clocks(result: Calibration) -> list[str]:

@@ -71,7 +71,9 @@ class Calibration:
 
     def figure(self) -> str:
         """Return an SVG of paths, errors and parameters."""
-        return picture(self.residuals(nominal=True), self.residuals(), self.parameters)
+        before = [log.whole for log in self.residuals(nominal=True)]
+        after = [log.whole for log in self.residuals()]
+        return picture(before, after, self.parameters)
 
     def _repr_svg_(self) -> str:
         return self.figure()

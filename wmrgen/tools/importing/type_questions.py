@@ -28,7 +28,7 @@ RULES: list[RobotRule] = []
     RULES,
     "swivel is fixed",
     "A castor without its swivel drags the robot: the file has a fixed joint in place of the swivel.",
-    "the MiR 250 in some forks of mir_robot, whose swivel is of type fixed with the comment continuous",
+    "a public description of the MiR 250, repository unknown: the swivel is of type fixed, its comment says continuous",
 )
 def _castors(subject: Subject) -> Iterator[Question]:
     """Ask about each wheel that is called a castor and has no joint to swivel."""

@@ -12,7 +12,7 @@ from wmrgen.errors import UsageError
 if TYPE_CHECKING:
     from wmrgen.geometry.layout.records import Robot as Loaded
 
-Kind = Literal["urdf", "sdf", "ros2_control", "wpilib"]
+Kind = Literal["urdf", "sdf", "ros2_control", "wpilib", "nav2", "robot_localization"]
 
 
 @verb("export")
@@ -29,7 +29,7 @@ def export(
     """Example:  wmrgen export robots/pioneer3dx.yaml --to ros2_control -o build
 
     Describe a robot for another tool. Masses and other values that a robot file does not have are marked as
-    placeholders. Exit code 3, with the reason, if ros2_controllers or WPILib has no such drive.
+    placeholders. Exit code 3, with the reason, if ros2_controllers, WPILib or Nav2 has no such drive.
     """
     import wmrgen
     from wmrgen.cli.loading import print_notes
@@ -81,6 +81,10 @@ def _files(robot: Loaded, to: Kind, distro: Distro) -> dict[str, str]:
         from wmrgen.tools.exporting.wpilib import wpilib
 
         return wpilib(robot)
+    if to in ("nav2", "robot_localization"):
+        from wmrgen.tools.exporting import navigation
+
+        return navigation.nav2(robot) if to == "nav2" else navigation.robot_localization(robot)
     from wmrgen.tools.exporting.ros2_control import ros2_control
 
     return ros2_control(robot, distro)

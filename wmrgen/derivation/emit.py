@@ -107,11 +107,23 @@ def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:
         wheel_lines=wheel_lines(derivation.robot),
         model_hash=digest.hexdigest()[:32],
         wmrgen_version=__version__,
+        joint_names=joint_names(derivation.robot),
+        frame=derivation.robot.frame,
         site=where,
         constants=constants(derivation.robot, where),
         vectors=derivation.vector_forms,
         written=derivation.raw_module,
     )
+
+
+def joint_names(robot: Robot) -> dict[str, tuple[str, int]]:
+    """Return joint of the functions (left.spin) -> its name in other tools, and the sign of its rotation there."""
+    found = {}
+    for wheel in robot.wheels:
+        for joint in ("spin", "steer", "steer_rate"):
+            name = wheel.joint_name(joint.removesuffix("_rate"))
+            found[f"{wheel.name}.{joint}"] = (name.name, name.sign)
+    return found
 
 
 def _bound_lines(derivation: Derivation, choice: Choice) -> tuple[str, ...]:

@@ -18,15 +18,15 @@ KINDS = tuple(kind for kind, package in PACKAGES.items() if not package.backend)
 
 
 @cache
-def files_of(robot: Path, kind: str, target: str = "host") -> dict[str, bytes]:
+def files_of(robot: Path, kind: str, target: str = "host", scalar: str = "float") -> dict[str, bytes]:
     """File name -> content of the package of a robot file."""
-    derivation, chosen, files = _derived(robot, target)
+    derivation, chosen, files = _derived(robot, target, scalar)
     return package(PACKAGES[kind], derivation, chosen, files)
 
 
 @cache
-def _derived(robot: Path, target: str) -> tuple[Derivation, Choice, dict[str, bytes]]:
-    derivation, chosen = derive(load(robot)), choice(target=target)
+def _derived(robot: Path, target: str, scalar: str) -> tuple[Derivation, Choice, dict[str, bytes]]:
+    derivation, chosen = derive(load(robot)), choice(scalar, target=target)
     return derivation, chosen, artifacts(derivation, chosen)
 
 

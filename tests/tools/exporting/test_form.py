@@ -222,7 +222,7 @@ def test_what_does_not_fit_is_refused_and_nothing_written(wmrgen_cli: Cli, tmp_p
     done = wmrgen_cli("export", ROOT / "robots/pr2.yaml", "--to", "wpilib", "-o", tmp_path / "out")
     assert done.code == 3 and "no kinematics of WPILib fits" in done.err and not (tmp_path / "out").exists()
     assert wmrgen_cli("export", ROOT / "robots/pr2.yaml", "--to", "mjcf").code == 2
-    assert set(get_args(Kind)) == {"urdf", "sdf", "ros2_control", "wpilib"}
+    assert set(get_args(Kind)) == {"urdf", "sdf", "ros2_control", "wpilib", "nav2", "robot_localization"}
 
 
 # ---- compilers

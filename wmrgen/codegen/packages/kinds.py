@@ -45,7 +45,7 @@ class Package(NamedTuple):
     without: tuple[str, ...] = ()  # folders of C files that it must not contain
     backend: str = ""  # the backend that writes it, if it has no C
     # Further variables of its templates.
-    context: Callable[[Module, str], Mapping[str, object]] = lambda _, __: {}
+    context: Callable[[Module, Facts], Mapping[str, object]] = lambda _, __: {}
 
     @property
     def folder(self) -> str:
@@ -53,12 +53,12 @@ class Package(NamedTuple):
         return f"package-{self.kind}"
 
 
-def _of_arduino(module: Module, scalar: str) -> Mapping[str, object]:
+def _of_arduino(module: Module, facts: Facts) -> Mapping[str, object]:
     """Return the variables of Arduino's templates: names for the editor, and the statements of a control loop.
 
     The loop has no covariances, because the sketch does not use them.
     """
-    steps = loop(module, scalar, covariances=False)
+    steps = loop(module, str(facts.options["scalar"]), covariances=False)
     return {
         "types": [f"{module.name}_{kind}" for kind in members(module)],
         "functions": [f"{module.name}_{f.name}" for f in module.functions if f.outputs],
@@ -98,7 +98,14 @@ PACKAGES = {
         ),
         Package(
             "ros2",
-            (File("CMakeLists.txt"), File("package.xml", escape), File("node/{robot}_node.cpp"), _README),
+            (
+                File("CMakeLists.txt"),
+                File("package.xml", escape),
+                File("node/{robot}_bridge.c"),
+                File("node/{robot}_core.py"),
+                File("node/{robot}_node.py"),
+                _README,
+            ),
             context=ros2.context,
         ),
         Package("rust", (), backend="rust"),
@@ -133,7 +140,7 @@ def packaged(package: Package, module: Module, facts: Facts, files: Mapping[str,
     top = [name for name in c if "/" not in name]
     scalar = str(facts.options["scalar"])
     context = {
-        **package.context(module, scalar),
+        **package.context(module, facts),
         "robot": robot,
         "upper": robot.upper(),
         "version": _version(facts.wmrgen_version),

@@ -1,77 +1,98 @@
-"""The variables of the templates of the ROS 2 package: joints, covariances, parameters."""
+"""The variables of the templates of the ROS 2 package: joints, limits, parameters, and calls of the C."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
+from math import inf, isfinite
 
-from wmrgen.codegen.packages.cpp import loop
-from wmrgen.geometry.ports import GYRO, POSE_COVARIANCE, TWIST_COVARIANCE
+from wmrgen.codegen.packages.cpp import Call, loop
+from wmrgen.codegen.registry import Facts
+from wmrgen.geometry.ports import GYRO, POSE, POSE_COVARIANCE, TWIST, TWIST_COVARIANCE, TWIST_NAMES, Port
 from wmrgen.ir.nodes import Module
 
-_QUANTITIES = {  # joint -> ending of its name in ROS, field of a joint state
-    "spin": ("spin", "velocity"),
-    "steer": ("steer", "position"),
-    "steer_rate": ("steer", "velocity"),
-}
-_AXES = (0, 1, 5)  # indices of x, y and yaw among the six axes of a message
-_PAIRS = [(i, j) for k, i in enumerate(_AXES) for j in _AXES[k:]]
-_NOTE = "pose_variance, twist_variance: variances of x, y, yaw and of their rates (there is no odometry_covariance)"
+_FIELDS = {
+    "spin": "velocity",
+    "steer": "position",
+    "steer_rate": "velocity",
+}  # joint -> field of a joint state
+# A variable of the loop in a statement, not a member of a struct that has the same name.
+_VARIABLE = re.compile(r"(?<![.\w])(commands|wheels|before)\b")
 
 
-def context(module: Module, scalar: str) -> Mapping[str, object]:
+def context(module: Module, facts: Facts) -> Mapping[str, object]:
     """Return the variables of the templates for a robot.
 
-    ``joints`` has for each joint its default name in ROS, the quantity (velocity or position), and whether it must be
-    measured. ``commanded`` has index and quantity of the joints that the robot drives.
+    ``core_joints`` has for each joint its name in ROS, the field of a joint state, whether it must be measured, whether
+    the robot drives it, and the sign of its rotation in ROS.
     """
-    steps = loop(module, scalar)
-    functions = {function.name: function for function in module.functions}
+    steps = loop(module, str(facts.options["scalar"]))
+    driven = {port.name for port in module.function("inverse").outputs}
     joints = []
     for name in module.joints or ():
-        wheel, _, joint = name.rpartition(".")
-        ending, quantity = _QUANTITIES[joint]
-        joints.append((f"{wheel}_{ending}", quantity, str(name in steps.measured).lower()))
-    driven = {port.name for port in functions["inverse"].outputs}
-    parts = ("pose", POSE_COVARIANCE), ("twist", TWIST_COVARIANCE)
-    values = []  # part of the message, row, column, expression
-    for part, ports in parts:
-        if steps.covariance:
-            for (i, j), port in zip(_PAIRS, ports, strict=True):
-                values.append((part, i, j, f"{part}_covariance.{port.name}"))
-        else:
-            values += [(part, i, i, f"{part}_variance_[{k}]") for k, i in enumerate(_AXES)]
-    names = [] if steps.covariance else [f"{part}_variance" for part, _ in parts]
-    default = "std::vector<double>{1e-3, 1e-3, 1e-3}"
+        joint = name.rpartition(".")[2]
+        ros_name, sign = facts.joint_names[name]
+        joints.append((ros_name, _FIELDS[joint], name in steps.measured, name in driven, sign))
+    tunable = _tunables(module)
     return {
         "ros": f"{module.name.lower()}_kinematics",
-        "joints": joints,
+        "joints": module.joints or (),
+        "core_joints": [repr(joint) for joint in joints],
+        "core_limits": _limits(facts),
+        "tunables": repr(tunable),
+        "frame": repr(facts.frame),
+        "covariance": steps.covariance,
         "variables": list(steps.variables.items()),
         "gyro": GYRO.name in steps.variables,
-        "prepare": [f"{call.text()};" for call in steps.prepare],
-        "sense": [call.text("_checked") for call in steps.sense],
-        "keep": steps.keep,
-        "act": [call.text("_checked") for call in steps.act],
-        "commanded": [(k, joints[k][1]) for k, name in enumerate(module.joints or ()) if name in driven],
-        "covariances": [
-            f"message.{part}.covariance[{6 * a + b}] = {value};"
-            for part, i, j, value in values
-            for a, b in sorted({(i, j), (j, i)})
+        "prepare": [f"{_of_state(call)};" for call in steps.prepare],
+        "tune": [
+            f"s->params.{name} = ({facts.options['scalar']})values[{k}];" for k, name in enumerate(tunable)
         ],
-        "variance_notes": [_NOTE] if names else [],
-        "declared_variances": [
-            line
-            for name in names
-            for line in (
-                f'{name}_ = declare_parameter<std::vector<double>>("{name}", {default});',
-                f"{name}_.resize(3);",
-            )
-        ],
-        "variance_members": [f"std::vector<double> {name}_;" for name in names],
-        "variance_readme": [
-            "",
-            "The covariances are parameters. To propagate them from the joints, write `noise:` for the joints and",
-            "`functions: [forward_covariance, odometry_covariance]` into the robot file.",
-        ]
-        if names
-        else ["", "The covariances are propagated from the noise of the joints; slip increases them."],
+        "sense": [_of_state(call, "_checked") for call in steps.sense],
+        "keep": [_VARIABLE.sub(r"s->\1", statement) for statement in steps.keep],
+        "act": [_of_state(call, "_checked") for call in steps.act],
+        "results": _results(steps.covariance),
+        "variance_readme": _VARIANCES_PROPAGATED if steps.covariance else _VARIANCES_GIVEN,
     }
+
+
+def _of_state(call: Call, ending: str = "") -> str:
+    """Return a call whose arguments are members of the state ``s``."""
+    words = [f"&s->{word[1:]}" if word.startswith("&") else f"s->{word}" for word in call.words]
+    return call._replace(words=tuple(words)).text(ending)
+
+
+def _tunables(module: Module) -> dict[str, float]:
+    """Return the tunable parameters with their nominal values, in the order of the C."""
+    if module.prepare is None:
+        return {}
+    return {port.name: float(port.default) for port in module.prepare.inputs if port.default is not None}
+
+
+def _limits(facts: Facts) -> str:
+    """Return the limits of the twist as a Python expression."""
+    entries = []
+    for name in TWIST_NAMES:
+        low, high = facts.site.limits.get(name, (-inf, inf))
+        ends = [repr(end) if isfinite(end) else str(end).replace("inf", "math.inf") for end in (low, high)]
+        entries.append(f'"{name}": ({ends[0]}, {ends[1]})')
+    return f"{{{', '.join(entries)}}}"
+
+
+def _results(covariance: bool) -> Sequence[str]:
+    """Return the C expressions of the results of a step, in the order in which the core reads them."""
+    parts: list[tuple[str, Sequence[Port]]] = [("pose", POSE), ("twist", TWIST)]
+    if covariance:
+        parts += [("pose_covariance", POSE_COVARIANCE), ("twist_covariance", TWIST_COVARIANCE)]
+    return [f"s->{part}.{port.name}" for part, ports in parts for port in ports]
+
+
+_VARIANCES_PROPAGATED = (
+    "",
+    "The covariances are propagated from the noise of the joints; slip increases them.",
+)
+_VARIANCES_GIVEN = (
+    "",
+    "The covariances are parameters. To propagate them from the joints, write `noise:` for the joints and",
+    "`functions: [forward_covariance, odometry_covariance]` into the robot file.",
+)

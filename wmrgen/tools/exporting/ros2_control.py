@@ -62,22 +62,24 @@ def ros2_control(robot: Robot, distro: Distro | None = None) -> dict[str, str]:
     tree = {name: {"ros__parameters": v} for name, v in (("controller_manager", manager), (NAME, own))}
     return {
         f"{robot.name}.urdf": urdf(robot, control=True),
-        f"{robot.name}_controllers.yaml": "".join(f"# {line}\n" for line in lines) + "".join(_yaml(tree)),
+        f"{robot.name}_controllers.yaml": "".join(f"# {line}\n" for line in lines)
+        + "".join(yaml_lines(tree)),
     }
 
 
-def _yaml(tree: Mapping[str, Any], indent: str = "") -> list[str]:
+def yaml_lines(tree: Mapping[str, Any], indent: str = "") -> list[str]:
     """Return the lines of a YAML file. A float has a point, because ROS distinguishes it from an integer."""
     lines = []
     for key, value in tree.items():
         if isinstance(value, Mapping):
-            lines += [f"{indent}{key}:\n", *_yaml(value, f"{indent}  ")]
+            lines += [f"{indent}{key}:\n", *yaml_lines(value, f"{indent}  ")]
         else:
             written = f"[{', '.join(value)}]" if isinstance(value, tuple) else value
-            lines.append(f"{indent}{key}: {_pointed(value) if isinstance(value, float) else written}\n")
+            lines.append(f"{indent}{key}: {pointed(value) if isinstance(value, float) else written}\n")
     return lines
 
 
-def _pointed(value: float) -> str:
+def pointed(value: float) -> str:
+    """Return a number with a point."""
     digits, e, exponent = decimal(value).partition("e")
     return digits + ("" if "." in digits else ".0") + e + exponent

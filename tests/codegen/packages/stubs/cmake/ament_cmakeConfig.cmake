@@ -1,3 +1,4 @@
+# A stand-in for the functions of ament that the package calls, for machines without ROS.
 include(CTest)
 function(ament_export_targets)
 endfunction()

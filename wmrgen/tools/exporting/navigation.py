@@ -58,11 +58,12 @@ def robot_localization(robot: Robot) -> dict[str, str]:
     """Return ``<robot>_ekf.yaml``: the velocities that the wheels measure, for an extended Kalman filter.
 
     Raises:
-        NotDerivableError: The wheels do not measure the velocity of the robot.
+        NotDerivableError: The sensed joints do not determine the velocity of the robot.
     """
-    functions = {function.name for function in derive(robot).module.functions if function.outputs}
-    if "forward" not in functions:
-        raise NotDerivableError(f"{robot.name}: its wheels do not measure its velocity.")
+    derivation = derive(robot)
+    functions = {function.name for function in derivation.module.functions}
+    if not derivation.determined:
+        raise NotDerivableError(f"{robot.name}: its sensed joints do not determine its velocity.")
     rows = ["false"] * 15  # x y z, roll pitch yaw, their velocities, accelerations
     for index in (6, 7, 11):  # vx, vy, yaw rate
         rows[index] = "true"

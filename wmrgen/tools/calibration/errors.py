@@ -75,6 +75,7 @@ def drawn(problem: Problem, index: int, shared: Reals, clock: float) -> Drawn:
     path = problem.increments.alone.path(log.columns, shared[:count])
     parts = []
     measured = np.isfinite(log.poses.theta) | np.isfinite(log.poses.x + log.poses.y)
+    measured &= log.inside(clock)
     for first, last in legs:
         poses = log.poses.rows((log.poses.t >= first) & (log.poses.t <= last) & measured)
         here = path.between(*steps_at(log.t, poses.t + clock))

@@ -19,6 +19,7 @@ Booleans = NDArray[np.bool_]
 
 STEP = 0.25  # [s] of a thinned step: shorter ones change parameters of real logs by less than a tenth of a deviation
 TURN = 0.05  # [rad] by which the robot and its steered wheels turn in a thinned step: the same
+BEYOND = 1.0  # [s] by which reference poses may lie outside of a log, because clocks differ
 POSES = 0.5  # [s] between reference poses that are kept: the same
 
 
@@ -56,6 +57,15 @@ class Log:
     columns: Mapping[str, Reals]
     poses: Poses
     rows: int = 0  # readings before thinning
+
+    def inside(self, clock: float) -> Booleans:
+        """Return which reference poses lie in the log, or as little outside as clocks differ, (K,).
+
+        Args:
+            clock: [s] by which times of the log are later.
+        """
+        at = self.poses.t + clock
+        return np.asarray((at >= self.t[0] - BEYOND) & (at <= self.t[-1] + BEYOND))
 
     @property
     def seconds(self) -> float:

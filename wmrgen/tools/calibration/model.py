@@ -22,7 +22,6 @@ LEVER = 0.15  # [m] a heading's residual is this times its error: about the half
 MOUNT = 3  # unknowns of the mount: x [m], y [m], heading [rad]
 UNIT_MOUNT = (0.1, 0.1, 0.1)  # [m, m, rad] how far a tracker is about from the robot's point
 UNIT_CLOCK = 0.3  # [s] how far the clocks of two computers are about apart
-BEYOND = 1.0  # [s] by which reference poses may lie outside of a log, because clocks differ
 PACE = 1.0  # [s] to both sides, over which a speed is taken: over one step it is the rounding of encoders
 WEIGHT = 1.0  # [s] reference poses that follow one another faster count no more than one in this time
 SPAN = 4  # thinned steps, about 1 s, over which the disagreement of redundant joints is added up
@@ -145,10 +144,8 @@ def rows(problem: Problem, index: int, shared: Reals, own: Reals) -> Rows:
 
 def _in_legs(log: Log, legs: Reals, clock: float) -> tuple[Poses, Indices]:
     """Return the reference poses that lie in a leg, and the leg of each."""
-    at = log.poses.t + clock
     leg = np.searchsorted(legs[:, 0], log.poses.t, "right") - 1
-    inside = (leg >= 0) & (log.poses.t <= legs[np.maximum(leg, 0), 1])
-    inside &= (at >= log.t[0] - BEYOND) & (at <= log.t[-1] + BEYOND)
+    inside = (leg >= 0) & (log.poses.t <= legs[np.maximum(leg, 0), 1]) & log.inside(clock)
     return log.poses.rows(inside), leg[inside]
 
 

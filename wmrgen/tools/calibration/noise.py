@@ -84,6 +84,7 @@ def tracks(fit: Fit) -> list[Track]:
         total = distance(path)
         for first, last in legs:
             measured = np.isfinite(log.poses.theta) | np.isfinite(log.poses.x + log.poses.y)
+            measured &= log.inside(clock)
             poses = log.poses.rows(measured & (log.poses.t >= first) & (log.poses.t <= last))
             if len(poses.t) < 2:
                 continue
@@ -106,6 +107,18 @@ def differences(track: Track, lag: int) -> tuple[Complexes, Reals]:
     theta = np.where(np.isfinite(track.theta), track.theta, track.heading)
     seen = (track.seen[lag:] - track.seen[:-lag]) * np.exp(-1j * theta[:-lag])
     return own - seen, (track.heading - track.theta)[lag:] - (track.heading - track.theta)[:-lag]
+
+
+def swings(track: Track, lag: int) -> Reals:
+    """Return how a heading walk moves poses ``lag`` rows later [m^3]: the integral of squared distance over travel."""
+    step = np.diff(track.travelled)
+    middle = 0.5 * (track.place[1:] + track.place[:-1])
+    first = np.concatenate([[0], np.cumsum(middle * step)])
+    second = np.concatenate([[0], np.cumsum(np.abs(middle) ** 2 * step)])
+    end = track.place[lag:]
+    moved = np.abs(end) ** 2 * (track.travelled[lag:] - track.travelled[:-lag])
+    moved -= 2 * np.real(np.conj(end) * (first[lag:] - first[:-lag]))
+    return np.asarray(np.maximum(moved + second[lag:] - second[:-lag], 0.0))
 
 
 def spare(fit: Fit) -> float:
@@ -151,9 +164,10 @@ def noise(every: list[Track], share: float = 1.0) -> Noise:
         turn = np.concatenate([d[1] for d in both]) ** 2
         travel = np.concatenate([track.travelled[lag:] - track.travelled[:-lag] for track in some])
         chord = np.abs(np.concatenate([track.seen[lag:] - track.seen[:-lag] for track in some])) ** 2
+        swing = np.concatenate([swings(track, lag) for track in some])
         # By position walk, heading walk, position and heading noise. A heading error swings the rest of the way.
         none, one = np.zeros_like(travel), np.ones_like(travel)
-        by_place = np.array([2 * travel, chord * travel / 3, 4 * one, chord])
+        by_place = np.array([2 * travel, swing, 4 * one, chord])
         for squares, by in ((place, by_place), (turn, np.array([none, travel, none, 2 * one]))):
             measured = np.isfinite(squares)
             if not measured.any():

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from wmrgen.errors import UsageError
-from wmrgen.tools.calibration.logs import Log, Poses
+from wmrgen.tools.calibration.logs import BEYOND, Log, Poses
 from wmrgen.tools.calibration.path import Reals
 from wmrgen.tools.calibration.tables import Table, table_of, without_other_headings
 
@@ -112,6 +112,12 @@ def _check_times(table: Table, poses: Table) -> None:
         raise UsageError(
             f"{poses.where} covers t = {at[0]:g} to {at[-1]:g}, {table.where} covers {t[0]:g} to {t[-1]:g}: they do "
             "not overlap. Both need the same clock up to a second, in seconds"
+        )
+    inside = int(np.sum((at >= t[0] - BEYOND) & (at <= t[-1] + BEYOND)))
+    if inside < 2:
+        raise UsageError(
+            f"{poses.where}: {inside} of {len(at)} poses lie in t = {t[0]:g} to {t[-1]:g}, which {table.where} covers. "
+            "Both need the same clock up to a second, in seconds"
         )
     if step.max() > _GAP * usual:
         row = int(np.argmax(step))

@@ -38,6 +38,7 @@ from wmrgen.tools.calibration.workers import Map, serial
 
 FOLDS = 5  # parts that logs are left out in, one after the other
 SHORT = 20.0  # [s] of a leg in the first fit: odometry with parameters 10 % off still follows it
+_BRIEF = 6.0  # [s] of a leg in which slips are looked for: a slip is in one of many
 _ODDS = 100.0  # to one against a number of turns, above which it is not reported
 _ROUNDS = 3  # of cutting slips: a large one hides small ones
 
@@ -199,13 +200,15 @@ def _refitted(problem: Problem, logs: Sequence[Log]) -> Fit:
 def settled(fit: Fit) -> Determined:
     """Return the fit without slips, and with everything nominal that the logs do not determine."""
     found: list[Slip] = []
+    # Parameters bend around large slips, so that whole legs explain nothing. Brief legs show where it is.
+    lost = diagnoses.misfit(fit) >= 1 or diagnoses.unlikely(fit)
+    seen = _in_brief_legs(fit) if lost else fit
     for _ in range(_ROUNDS):
-        tracks = noise.tracks(fit)
-        new = slips.find(fit, tracks)
+        new = slips.find(seen, noise.tracks(seen))
         if not new:
             break
         found += [slip for _, slip in new]
-        fit = _again(replace(fit.problem, legs=slips.without(fit, new)), fit)
+        seen = fit = _again(replace(fit.problem, legs=slips.without(fit, new)), seen)
     level = noise.of_fit(fit)
     covariance = noise.covariance(fit, level)
     clocks = np.column_stack([[own[0] for own in fit.state.own], covariance.clocks])
@@ -223,6 +226,16 @@ def settled(fit: Fit) -> Determined:
     return Determined(
         fit, level, covariance, nominal, clocks, tuple(sorted(found, key=lambda s: (s.log, s.start)))
     )
+
+
+def _in_brief_legs(fit: Fit) -> Fit:
+    """Return the same legs with parameters that are fitted to brief legs."""
+    problem = replace(fit.problem, legs=tuple(start.whole(log, _BRIEF) for log in fit.problem.logs))
+    clocks = np.array([own[0] for own in fit.state.own])
+    short = estimator.solved(problem, start.begun(problem, fit.problem.origin, 0 * clocks))
+    clocks = np.array([own[0] for own in short.state.own])
+    state = start.begun(fit.problem, short.state.shared, clocks)
+    return estimator.evaluated(replace(fit.problem, scale=short.problem.scale), state)
 
 
 def _again(problem: Problem, fit: Fit) -> Fit:

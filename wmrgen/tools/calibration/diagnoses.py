@@ -18,7 +18,8 @@ from wmrgen.errors import UsageError
 from wmrgen.tools.calibration.estimator import Fit
 from wmrgen.tools.calibration.logs import Log, Poses
 
-_FAR = 0.1  # of the extent of the drives: where residuals stay so large, joints and reference do not belong together
+_FAR = 0.05  # of the extent of the drives: the worst of 77 OptiOdom sets comes to 0.015
+_GLITCH = 100.0  # times the median of squared residuals: larger ones are glitches of a tracker
 _EXTENT = 0.5  # [m] that drives count for at least: a robot on the spot moves by a tracker's noise
 _TIMES = 2.0  # times a nominal length, or half of it: no tape measure is so wrong
 _BETTER = 0.5  # of the residuals: another reading must reach this, if parameters are likely
@@ -121,10 +122,11 @@ def misfit(fit: Fit) -> float:
     """Return the residuals of the worst log, relative to the extent of its drive; a fit above 1 is refused."""
     worst = 0.0
     for log, one in zip(fit.problem.logs, fit.rows, strict=True):
-        sizes = np.abs(one.values[one.weights > 0])
+        squares = one.values[one.weights > 0] ** 2
         extent = max(float(np.ptp(axis[np.isfinite(axis)])) for axis in _axes(log)) if _axes(log) else 0.0
-        if len(sizes):
-            worst = max(worst, float(np.sqrt(np.mean(sizes**2))) / (_FAR * max(extent, _EXTENT)))
+        if len(squares):
+            typical = float(np.sqrt(np.minimum(squares, _GLITCH * np.median(squares)).mean()))
+            worst = max(worst, typical / (_FAR * max(extent, _EXTENT)))
     return worst
 
 

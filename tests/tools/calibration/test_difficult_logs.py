@@ -1,0 +1,107 @@
+"""Logs that are hard to read: wheels that spin, quantities that are missing, references that are wrong."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.conftest import Outcome
+from tests.tools.calibration.drives import change_references, copied, written
+from tests.tools.calibration.simulated import AHEAD, LAYOUTS, Encoders, Reals, Tracker
+from tests.tools.calibration.test_diagnoses import robot_of
+from tests.tools.calibration.test_laws import check_same, copies, logs, plain  # noqa: F401
+from tests.tools.calibration.test_noise import track
+from tests.tools.calibration.test_simulated_robots import (
+    NOISY,
+    ROUGH,
+    calibrated,
+    check_within,
+)
+from wmrgen.errors import UsageError
+from wmrgen.tools.calibration.calibrate import calibrate
+from wmrgen.tools.calibration.noise import noise
+
+SLIPS = ((7.0, 7.6, 1.8), (20.0, 20.4, 0.3))  # first and last time [s], and how far the wheel turns
+
+
+@pytest.mark.parametrize("name", ["differential"])
+def test_a_wheel_that_spins_for_a_second_in_every_drive(tmp_path: Path, name: str) -> None:
+    layout = LAYOUTS[name]
+    first = next(iter(layout.wheels(layout.true)))
+    encoders = replace(ROUGH, episodes=((10.0, 11.0, first, 2.5),))
+    check_within(calibrated(tmp_path, layout, tracker=NOISY, encoders=encoders), layout, most=0.02)
+
+
+def test_a_long_drive_with_large_slips(tmp_path: Path) -> None:
+    """Old fact: slips of 1 s turn the robot by more than a radian in all, and the clock is 0.9 s off."""
+    layout = replace(LAYOUTS["differential"], drives=AHEAD[:1])
+    episodes = ((13.3, 14.4, "right", 2.5), (31.0, 31.8, "right", 2.5), (61.0, 62.1, "right", 2.5))
+    tracker = Tracker(0.04, late=0.9, noise=(0.002, 0.003), every=2)
+    encoders = Encoders(2 * np.pi / 1000, slip=0.005, episodes=episodes)
+    result = calibrated(tmp_path, layout, seconds=80, rate=20, tracker=tracker, encoders=encoders)
+    assert result.clocks["run-0"].value == pytest.approx(0.9, abs=0.02)
+    assert len(result.slips) == len(episodes)
+    check_within(result, layout)
+
+
+def test_headings_alone_without_noise(tmp_path: Path) -> None:
+    """Old fact: the ratio of radii to track to 1e-3."""
+    layout = LAYOUTS["differential"]
+    blank = partial(change_references, change=lambda rows: rows * (1, np.nan, np.nan, 1))
+    value = {name: e.value for name, e in calibrated(tmp_path, layout, blank).parameters.items()}
+    for name in ("r_left", "r_right"):
+        expected = layout.true[name] / layout.true["half_track"]
+        assert value[name] / value["half_track"] == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("measured", [(1, 1, 1, np.nan), (1, np.nan, np.nan, 1)], ids=["places", "headings"])
+def test_incomplete_poses_have_a_verdict(
+    tmp_path: Path, measured: tuple[float, ...], wmrgen_cli: Callable[..., Outcome]
+) -> None:
+    """Errors are nan, so the verdict is that the values are not better, and the exit code is 1."""
+    layout = LAYOUTS["differential"]
+    (tmp_path / "robot.yaml").write_text(layout.text, encoding="utf-8")
+    paths = written(tmp_path, layout, seconds=20, rate=10, tracker=NOISY, encoders=ROUGH)
+    change_references(paths, lambda rows: rows * measured)
+    outcome = wmrgen_cli("calibrate", tmp_path / "robot.yaml", *paths, "--json")
+    assert outcome.code == 0 and "NaN" not in outcome.out
+    assert json.loads(outcome.out)["better"] is not False
+
+
+def test_a_reference_in_milliseconds_is_refused(tmp_path: Path) -> None:
+    """It does not return: thousands of legs."""
+    with pytest.raises(UsageError):
+        calibrated(
+            tmp_path, LAYOUTS["differential"], partial(change_references, change=lambda rows: rows * (1e3, 1, 1, 1)),
+            seconds=10, rate=5,
+        )  # fmt: skip
+
+
+def test_noise_levels_on_arcs() -> None:
+    """position_walk is 2.3 times the true one: a heading error does not swing by chord^2 / 3 on an arc."""
+    random, level = np.random.default_rng(4), (4e-6, 9e-6, 4e-6, 9e-6)
+    found = noise([track(random, level, 0.2) for _ in range(40)])
+    values = found.position_walk, found.heading_walk, found.position, found.heading
+    for value, true in zip(values, level, strict=True):
+        assert value == pytest.approx(true, rel=0.25)
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("tricycle-square", lambda rows: rows[:, [0, 2, 1, 3]]),
+        ("omni3-square", lambda rows: rows * (1, 1 / 0.3048, 1 / 0.3048, 1)),
+    ],
+    ids=["x and y exchanged", "feet"],
+)
+def test_wrong_references_are_refused(tmp_path: Path, name: str, change: Callable[[Reals], Reals]) -> None:
+    paths = copied(tmp_path, name)
+    change_references(paths, change)
+    with pytest.raises(UsageError):
+        calibrate(robot_of(name), paths)

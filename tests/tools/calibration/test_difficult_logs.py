@@ -39,7 +39,7 @@ def test_a_wheel_that_spins_for_a_second_in_every_drive(tmp_path: Path, name: st
 
 
 def test_a_long_drive_with_large_slips(tmp_path: Path) -> None:
-    """Old fact: slips of 1 s turn the robot by more than a radian in all, and the clock is 0.9 s off."""
+    """Slips of 1 s turn the robot by more than a radian in all, and the clock is 0.9 s off."""
     layout = replace(LAYOUTS["differential"], drives=AHEAD[:1])
     episodes = ((13.3, 14.4, "right", 2.5), (31.0, 31.8, "right", 2.5), (61.0, 62.1, "right", 2.5))
     tracker = Tracker(0.04, late=0.9, noise=(0.002, 0.003), every=2)
@@ -51,7 +51,7 @@ def test_a_long_drive_with_large_slips(tmp_path: Path) -> None:
 
 
 def test_headings_alone_without_noise(tmp_path: Path) -> None:
-    """Old fact: the ratio of radii to track to 1e-3."""
+    """They determine the ratio of radii to track."""
     layout = LAYOUTS["differential"]
     blank = partial(change_references, change=lambda rows: rows * (1, np.nan, np.nan, 1))
     value = {name: e.value for name, e in calibrated(tmp_path, layout, blank).parameters.items()}
@@ -64,7 +64,7 @@ def test_headings_alone_without_noise(tmp_path: Path) -> None:
 def test_incomplete_poses_have_a_verdict(
     tmp_path: Path, measured: tuple[float, ...], wmrgen_cli: Callable[..., Outcome]
 ) -> None:
-    """Errors are nan, so the verdict is that the values are not better, and the exit code is 1."""
+    """Places without headings, and headings without places, give errors that can be compared."""
     layout = LAYOUTS["differential"]
     (tmp_path / "robot.yaml").write_text(layout.text, encoding="utf-8")
     paths = written(tmp_path, layout, seconds=20, rate=10, tracker=NOISY, encoders=ROUGH)
@@ -75,7 +75,7 @@ def test_incomplete_poses_have_a_verdict(
 
 
 def test_a_reference_in_milliseconds_is_refused(tmp_path: Path) -> None:
-    """It does not return: thousands of legs."""
+    """None of its poses but the first is in the log."""
     with pytest.raises(UsageError):
         calibrated(
             tmp_path, LAYOUTS["differential"], partial(change_references, change=lambda rows: rows * (1e3, 1, 1, 1)),
@@ -84,7 +84,7 @@ def test_a_reference_in_milliseconds_is_refused(tmp_path: Path) -> None:
 
 
 def test_noise_levels_on_arcs() -> None:
-    """position_walk is 2.3 times the true one: a heading error does not swing by chord^2 / 3 on an arc."""
+    """On an arc a heading error swings the pose by less than on a straight line of the same travel."""
     random, level = np.random.default_rng(4), (4e-6, 9e-6, 4e-6, 9e-6)
     found = noise([track(random, level, 0.2) for _ in range(40)])
     values = found.position_walk, found.heading_walk, found.position, found.heading

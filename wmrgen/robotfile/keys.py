@@ -354,7 +354,6 @@ WHEEL = Section(
         Field(
             "type", OneOf("type"), "type of the wheel", required=True, aliases={"kind": ""},
             missing=("The type decides which motions the wheel allows.", "Write type: and one of {types}."),
-            example="fixed",
         ),
         Field(
             "l", _LENGTH, "distance from the robot's origin P to the wheel's pivot; with alpha",

@@ -157,6 +157,8 @@ def example(field: Field) -> str:
             return f"{key}: {number}"
         case Word(words, default):
             return f"{key}: {next(word for word in words if word != default)}"
+        case OneOf("type"):
+            return f"{key}: {next(iter(WHEEL_TYPES))}"
         case ListOf(Section() as section):
             return f"{key}: [{section.example}]"
         case ListOf(example=text):

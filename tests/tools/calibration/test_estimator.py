@@ -132,5 +132,6 @@ def test_clocks_that_are_not_free_stay(problem: Problem) -> None:
 
 def test_typical_residuals_give_the_scale(problem: Problem) -> None:
     fit = begun(problem)
-    sizes = np.concatenate([np.abs(one.values[one.weights > 0]) for one in fit.rows])
-    assert estimator.typical(fit) == pytest.approx(1.5 * np.median(sizes))
+    places = np.concatenate([np.hypot(*one.values[:2]) / np.sqrt(2) for one in fit.rows])
+    headings = np.concatenate([np.abs(one.values[2]) for one in fit.rows])
+    assert estimator.typical(fit) == pytest.approx(1.5 * np.median([*places, *headings]))

@@ -40,6 +40,7 @@ FOLDS = 5  # parts that logs are left out in, one after the other
 SHORT = 20.0  # [s] of a leg in the first fit: odometry with parameters 10 % off still follows it
 _BRIEF = 6.0  # [s] of a leg in which slips are looked for: a slip is in one of many
 _ODDS = 100.0  # to one against a number of turns, above which it is not reported
+_ALONE = 0.9  # of a unit: an unknown that lies so far in directions that are not determined is not determined itself
 _ROUNDS = 3  # of cutting slips: a large one hides small ones
 
 
@@ -217,6 +218,8 @@ def settled(fit: Fit) -> Determined:
     covariance = noise.covariance(fit, level)
     kept, nominal = split(covariance.shared, fit.problem.free)
     if nominal.shape[1]:
+        if np.linalg.norm(nominal[-1]) > _ALONE:  # nothing says how the tracked body is turned
+            fit = replace(fit, problem=replace(fit.problem, mount=(0.0, 0.0, 0.0)))
         off = (fit.state.shared - fit.problem.origin) / fit.problem.units
         shared = fit.problem.origin + fit.problem.units * (kept @ (kept.T @ off))
         problem = replace(fit.problem, free=kept)

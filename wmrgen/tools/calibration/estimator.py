@@ -76,10 +76,35 @@ class Fit:
     cost: float
 
 
+def loss(one: Rows, scale: float) -> tuple[float, Reals, Reals]:
+    """Return the soft L1 loss of residuals, sqrt(1 + (r / scale)^2) - 1, and its derivatives.
+
+    The distance of a place counts, and not x and y apart: else results would depend on the axes of the reference.
+
+    Args:
+        one: Residuals of a log.
+        scale: [m] where the loss turns from squares to sizes.
+
+    Returns:
+        The loss; its derivative by each residual (3, n); and how the gradient changes by an error of each residual,
+        (3, n, S + 4), which times the derivatives of the residuals is the second derivative of the loss.
+    """
+    squares = (one.values / scale) ** 2
+    place, heading = np.sqrt(1 + squares[0] + squares[1]), np.sqrt(1 + squares[2])
+    root = np.array([place, place, heading])
+    weights = np.maximum(
+        one.weights[0], one.weights[1]
+    )  # they differ where one coordinate alone was measured
+    cost = float(weights @ (place - 1) + one.weights[2] @ (heading - 1))
+    slope = one.weights / root / scale**2
+    x, y, theta = one.values[..., None] * one.by
+    along = np.array([x + y, x + y, theta])
+    bend = slope * one.values / (root * scale) ** 2
+    return cost, slope * one.values, slope[..., None] * one.by - bend[..., None] * along
+
+
 def normal(problem: Problem, own: Reals, one: Rows) -> Normal:
     """Return a log's part of the normal equations, with the prior of its clock.
-
-    The loss of a residual r is soft L1, sqrt(1 + (r / scale)^2) - 1, whose second derivative is the matrix.
 
     Args:
         problem: For the scale and the prior.
@@ -87,19 +112,16 @@ def normal(problem: Problem, own: Reals, one: Rows) -> Normal:
         one: Its residuals.
     """
     width, legs = len(problem.origin) + 1, len(own) // 3
-    root = np.sqrt(1 + (one.values / problem.scale) ** 2)
-    slope = one.weights / root / problem.scale**2 * one.values
-    curve = one.weights / root**3 / problem.scale**2
+    cost, slope, change = loss(one, problem.scale)
     matrix, gradient = np.zeros((legs, width + 3, width + 3)), np.zeros((legs, width + 3))
     ends = np.searchsorted(one.leg, np.arange(legs + 1))
     for k in range(legs):
         rows = slice(ends[k], ends[k + 1])
-        by = one.by[:, rows].reshape(-1, width + 3)
+        by = one.by[:, rows]
         # einsum and not a product of matrices: threads of BLAS wait for one another where others use the cores.
-        matrix[k] = np.einsum("ni,nj->ij", curve[:, rows].reshape(-1, 1) * by, by)
-        gradient[k] = np.einsum("ni,n->i", by, slope[:, rows].ravel())
+        matrix[k] = np.einsum("cni,cnj->ij", change[:, rows], by)
+        gradient[k] = np.einsum("cni,cn->i", by, slope[:, rows])
     shared, total = matrix[:, :width, :width].sum(axis=0), gradient[:, :width].sum(axis=0)
-    cost = float(np.sum(one.weights * (root - 1)))
     if len(one.joints):
         count, root = one.joints_by.shape[1], np.sqrt(1 + (one.joints / problem.scale) ** 2)
         weighted = one.joints_by / root[:, None] / problem.scale**2
@@ -197,5 +219,11 @@ def rescaled(fit: Fit) -> Fit:
 
 def typical(fit: Fit) -> float:
     """Return the standard deviation of typical residuals [m], from their median."""
-    sizes = np.concatenate([np.abs(one.values[one.weights > 0]) for one in fit.rows])
-    return max(_TYPICAL * float(np.median(sizes)), FINEST) if len(sizes) else fit.problem.scale
+    sizes = []
+    for one in fit.rows:
+        measured = one.weights > 0
+        coordinates = measured[0].astype(float) + measured[1]
+        place = np.hypot(one.values[0], one.values[1])[coordinates > 0]
+        sizes += [place / np.sqrt(coordinates[coordinates > 0]), np.abs(one.values[2][measured[2]])]
+    every = np.concatenate(sizes)
+    return max(_TYPICAL * float(np.median(every)), FINEST) if len(every) else fit.problem.scale

@@ -17,7 +17,7 @@ from dataclasses import astuple, dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from wmrgen.tools.calibration.estimator import PRIOR, Fit, Reduced, reduced
+from wmrgen.tools.calibration.estimator import PRIOR, Fit, Reduced, loss, reduced
 from wmrgen.tools.calibration.logs import steps_at
 from wmrgen.tools.calibration.model import LEVER
 from wmrgen.tools.calibration.path import Complexes, Path, Reals
@@ -252,9 +252,9 @@ def _gradient_covariance(fit: Fit, index: int, log: Reduced, level: Noise, joint
     """
     one, problem, count = fit.rows[index], fit.problem, len(fit.problem.nominal)
     scale, width = problem.scale, len(problem.origin) + 1
-    by = one.by[..., :width] - np.einsum("cni,nij->cnj", one.by[..., width:], log.follow[one.leg])
-    curve = one.weights / np.sqrt(1 + (one.values / scale) ** 2) ** 3 / scale**2
-    x, y, theta = curve[..., None] * by  # (n, S + 1) each: the gradient by an error of one residual
+    _, _, change = loss(one, scale)
+    # (n, S + 1) each: the gradient by an error of one residual.
+    x, y, theta = change[..., :width] - np.einsum("cni,nij->cnj", change[..., width:], log.follow[one.leg])
     theta = LEVER * theta
     position = np.where(one.known, problem.start_error**2, level.position)[:, None]
     heading = np.where(one.known, (problem.start_error / LEVER) ** 2, level.heading)[:, None]

@@ -16,7 +16,7 @@ from wmrgen.tools.calibration.model import LEVER
 from wmrgen.tools.calibration.noise import Track
 from wmrgen.tools.calibration.path import Reals
 
-_FAR = 15.0  # robust standard deviations of a jump; OptiOdom's logs, without a slip, have jumps of 10
+_FAR = 20.0  # robust standard deviations of a jump; OptiOdom's tricycle has jumps of 16, and no slip is known
 _WINDOW = (
     3.0  # [s] before and behind a jump, over which its size is a median: a glitch of the reference is no jump
 )

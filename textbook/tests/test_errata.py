@@ -109,10 +109,10 @@ def test_what_is_read_with_care_holds_under_a_condition() -> None:
 @pytest.mark.slow
 def test_the_page() -> None:
     page = errata().decode()
-    first = page.split("\n\n")[1]
-    assert page.startswith("# Corrections to our copies of five texts\n")
-    assert "text extractions" in first and "the printed pages were not seen" in first
-    assert "of ours in 4 of the 42 entries, of a second copy in 7, which" in first
+    first = page.split("\n\n")[2]
+    assert page.startswith("# Equations of five texts, checked, and corrections to our copies\n")
+    assert "text extractions" in first and "have not seen the printed pages" in first
+    assert "our copy in 4 of the 42 entries, and a second copy in 7, which" in first
     titles = re.findall(r"^## \d (.*)$", page, re.MULTILINE)
     assert titles == [
         "Errors of the text",

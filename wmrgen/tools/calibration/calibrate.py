@@ -202,8 +202,7 @@ def settled(fit: Fit) -> Determined:
     """Return the fit without slips, and with everything nominal that the logs do not determine."""
     found: list[Slip] = []
     # Parameters bend around large slips, so that whole legs explain nothing. Brief legs show where it is.
-    lost = diagnoses.misfit(fit) >= 1 or diagnoses.unlikely(fit)
-    seen = _in_brief_legs(fit) if lost else fit
+    seen = _in_brief_legs(fit) if diagnoses.misfit(fit) >= 1 else fit
     for _ in range(_ROUNDS):
         new = slips.find(seen, noise.tracks(seen))
         if not new:

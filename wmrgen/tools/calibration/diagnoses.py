@@ -19,7 +19,7 @@ from wmrgen.tools.calibration.estimator import Fit
 from wmrgen.tools.calibration.logs import Log, Poses
 
 _FAR = 0.05  # of the extent of the drives: the worst of 77 OptiOdom sets comes to 0.015
-_GLITCH = 100.0  # times the median of squared residuals: larger ones are glitches of a tracker
+_MOST = 90  # percent of residuals that are at most so large: the others may be glitches of a tracker
 _EXTENT = 0.5  # [m] that drives count for at least: a robot on the spot moves by a tracker's noise
 _TIMES = 2.0  # times a nominal length, or half of it: no tape measure is so wrong
 _BETTER = 0.5  # of the residuals: another reading must reach this, if parameters are likely
@@ -122,11 +122,10 @@ def misfit(fit: Fit) -> float:
     """Return the residuals of the worst log, relative to the extent of its drive; a fit above 1 is refused."""
     worst = 0.0
     for log, one in zip(fit.problem.logs, fit.rows, strict=True):
-        squares = one.values[one.weights > 0] ** 2
+        sizes = np.abs(one.values[one.weights > 0])
         extent = max(float(np.ptp(axis[np.isfinite(axis)])) for axis in _axes(log)) if _axes(log) else 0.0
-        if len(squares):
-            typical = float(np.sqrt(np.minimum(squares, _GLITCH * np.median(squares)).mean()))
-            worst = max(worst, typical / (_FAR * max(extent, _EXTENT)))
+        if len(sizes):
+            worst = max(worst, float(np.percentile(sizes, _MOST)) / (_FAR * max(extent, _EXTENT)))
     return worst
 
 

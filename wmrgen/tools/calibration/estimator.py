@@ -17,7 +17,9 @@ from wmrgen.tools.calibration.model import Problem, Rows, State, rows
 from wmrgen.tools.calibration.path import Reals
 
 PRIOR = 0.1  # residuals, in units of the scale, that one unit (10 % of a parameter) away from nominal costs
-FINEST = 1e-4  # [m] the least scale: a tenth of a millimetre is below any reference
+FINEST = (
+    5e-4  # [m] the least scale: below any reference, and far enough from rounding errors of the covariance
+)
 _STEPS = 60  # at most; ten are usual
 _NEAR = 1e-2  # residuals in units of the scale: a smaller change of the cost than its square is negligible
 _DAMP = 1e-3  # of the diagonal: the first damping after a step that failed (Marquardt 1963)

@@ -16,7 +16,6 @@ from wmrgen.errors import EnvironmentFailure, UsageError
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.tools.calibration.path import Reals
 
-JOINT_STATES = "/joint_states"
 _POSES = (
     "nav_msgs/msg/Odometry",
     "geometry_msgs/msg/PoseStamped",

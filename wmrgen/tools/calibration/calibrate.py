@@ -153,17 +153,11 @@ def of_problem(robot: Robot, problem: Problem) -> Calibration:
     parameters, mount, clocks = _estimates(robot, found)
     count = len(problem.nominal)
     spread = found.fit.problem.units[:count]
-    shared, origin = found.fit.state.shared, found.fit.problem.origin
-    offsets = [float(own[0]) for own in found.fit.state.own]
-    indices = range(len(problem.logs))
     return Calibration(
         found.fit, parameters, mount, clocks, _unobservable(robot, found),
         found.covariance.shared[:count, :count] * spread * spread[:, None], found.noise,
         joint_noise(found.fit, found.noise), found.slips,
-        chosen.turns, alternatives,
-        errors([drawn(found.fit.problem, i, origin, offsets[i]) for i in indices]),
-        errors([drawn(found.fit.problem, i, shared, offsets[i]) for i in indices]),
-        verdict(found),
+        chosen.turns, alternatives, verdict(found),
     )  # fmt: skip
 
 
@@ -176,10 +170,16 @@ def begun(problem: Problem, shift: Reals | None = None) -> Fit:
     """
     count = len(problem.nominal)
     values = problem.nominal.copy() if shift is None else problem.nominal + problem.units[:count] * shift
-    if problem.free[count:].any():  # the mount is not known
-        problem = replace(problem, mount=(0.0, 0.0, start.turned(problem, values)))
+    problem = _turned(problem, values)
     near = _short(problem, np.concatenate([values, problem.origin[count:]]))
     return estimator.solved(problem, start.begun(problem, near.state.shared, np.zeros(len(problem.logs))))
+
+
+def _turned(problem: Problem, values: Reals) -> Problem:
+    """Return the problem with the heading of the tracked body that displacements show, unless the mount is known."""
+    if not problem.free[len(problem.nominal) :].any():
+        return problem
+    return replace(problem, mount=(0.0, 0.0, start.turned(problem, values)))
 
 
 def _short(problem: Problem, shared: Reals) -> Fit:
@@ -192,9 +192,7 @@ def _short(problem: Problem, shared: Reals) -> Fit:
 def _refitted(problem: Problem, logs: Sequence[Log]) -> Fit:
     """Return the fit of short legs of other readings of the logs."""
     changed = replace(problem, logs=tuple(logs))
-    changed = replace(changed, logs=turns.hypotheses(changed)[-1].logs)
-    if changed.free[len(changed.nominal) :].any():
-        changed = replace(changed, mount=(0.0, 0.0, start.turned(changed, changed.nominal)))
+    changed = _turned(replace(changed, logs=turns.hypotheses(changed)[-1].logs), problem.nominal)
     return _short(changed, changed.origin)
 
 
@@ -233,8 +231,8 @@ def settled(fit: Fit) -> Determined:
 def _in_brief_legs(fit: Fit) -> Fit:
     """Return the same legs with parameters that are fitted to brief legs."""
     problem = replace(fit.problem, legs=tuple(start.whole(log, _BRIEF) for log in fit.problem.logs))
-    clocks = np.array([own[0] for own in fit.state.own])
-    short = estimator.solved(problem, start.begun(problem, fit.problem.origin, 0 * clocks))
+    no_clocks = np.zeros(len(problem.logs))
+    short = estimator.solved(problem, start.begun(problem, problem.origin, no_clocks))
     clocks = np.array([own[0] for own in short.state.own])
     state = start.begun(fit.problem, short.state.shared, clocks)
     return estimator.evaluated(replace(fit.problem, scale=short.problem.scale), state)

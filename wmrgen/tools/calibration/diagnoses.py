@@ -18,7 +18,7 @@ from wmrgen.errors import UsageError
 from wmrgen.tools.calibration.estimator import Fit
 from wmrgen.tools.calibration.logs import Log, Poses
 
-_FAR = 0.05  # of the extent of the drives: the worst of 77 OptiOdom sets comes to 0.015
+_FAR = 0.05  # of the extent of the drives: the worst of 77 OptiOdom sets comes to 0.032
 _MOST = 90  # percent of residuals that are at most so large: the others may be glitches of a tracker
 _EXTENT = 0.5  # [m] that drives count for at least: a robot on the spot moves by a tracker's noise
 _TIMES = 2.0  # times a nominal length, or half of it: no tape measure is so wrong
@@ -176,5 +176,5 @@ def refuse(fit: Fit, fitted: Callable[[Sequence[Log]], Fit]) -> None:
 
 def _size(fit: Fit) -> float:
     """Return the root mean square of all residuals [m], headings as arcs at the lever."""
-    sizes = np.concatenate([one.values[one.weights > 0] for one in fit.rows])
+    sizes = fit.residuals
     return float(np.sqrt(np.mean(sizes**2))) if len(sizes) else 0.0

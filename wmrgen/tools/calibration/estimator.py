@@ -17,9 +17,8 @@ from wmrgen.tools.calibration.model import Problem, Rows, State, rows
 from wmrgen.tools.calibration.path import Reals
 
 PRIOR = 0.1  # residuals, in units of the scale, that one unit (10 % of a parameter) away from nominal costs
-FINEST = (
-    5e-4  # [m] the least scale: below any reference, and far enough from rounding errors of the covariance
-)
+# [m] the least scale: below any reference, and far enough from rounding errors of the covariance
+FINEST = 5e-4
 _STEPS = 60  # at most; ten are usual
 _NEAR = 1e-2  # residuals in units of the scale: a smaller change of the cost than its square is negligible
 _DAMP = 1e-3  # of the diagonal: the first damping after a step that failed (Marquardt 1963)
@@ -77,6 +76,11 @@ class Fit:
     normals: tuple[Normal, ...]
     cost: float
 
+    @property
+    def residuals(self) -> Reals:
+        """All residuals that were measured [m], x, y and headings as arcs at the lever."""
+        return np.concatenate([one.values[one.weights > 0] for one in self.rows])
+
 
 def loss(one: Rows, scale: float) -> tuple[float, Reals, Reals]:
     """Return the soft L1 loss of residuals, sqrt(1 + (r / scale)^2) - 1, and its derivatives.
@@ -94,9 +98,8 @@ def loss(one: Rows, scale: float) -> tuple[float, Reals, Reals]:
     squares = (one.values / scale) ** 2
     place, heading = np.sqrt(1 + squares[0] + squares[1]), np.sqrt(1 + squares[2])
     root = np.array([place, place, heading])
-    weights = np.maximum(
-        one.weights[0], one.weights[1]
-    )  # they differ where one coordinate alone was measured
+    # The weights of x and y differ where one coordinate alone was measured.
+    weights = np.maximum(one.weights[0], one.weights[1])
     cost = float(weights @ (place - 1) + one.weights[2] @ (heading - 1))
     slope = one.weights / root / scale**2
     x, y, theta = one.values[..., None] * one.by
@@ -209,9 +212,8 @@ def solved(problem: Problem, state: State) -> Fit:
 
 def near(problem: Problem, state: State) -> Fit:
     """Return the fit at a scale at which all residuals of the state count by their squares."""
-    first = evaluated(problem, state)
-    sizes = [np.abs(one.values[one.weights > 0]) for one in first.rows]
-    return minimised(replace(problem, scale=float(np.concatenate(sizes).max(initial=FINEST))), state)
+    widest = float(np.abs(evaluated(problem, state).residuals).max(initial=FINEST))
+    return minimised(replace(problem, scale=widest), state)
 
 
 def rescaled(fit: Fit) -> Fit:

@@ -43,9 +43,8 @@ def joint_noise(fit: Fit, level: Noise) -> JointNoise | None:
         travelled = distance(increments.path(log.columns, values))[-1]
         walk += travelled * (2 * level.position_walk + LEVER**2 * level.heading_walk)
         seconds, rows = seconds + log.seconds, rows + log.rows - 1
-        inside = np.maximum(
-            np.diff(log.t) * (log.rows - 1) / log.seconds, 1.0
-        )  # readings in each thinned step
+        # Readings in each thinned step.
+        inside = np.maximum(np.diff(log.t) * (log.rows - 1) / log.seconds, 1.0)
         for joint in log.columns:
             if not joint.endswith(".spin"):
                 continue

@@ -36,13 +36,11 @@ class Problem:
     logs: tuple[Log, ...]
     legs: tuple[Reals, ...]  # (L, 2) of each log: first and last time [s] of each leg
     mount: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m, m, rad] of the tracked body, before any log
-    start_error: float = (
-        np.inf
-    )  # [m] deviation of each log's first reference pose from where the robot started
+    # [m] standard deviation of each log's first reference pose from where the robot started.
+    start_error: float = np.inf
     scale: float = 0.01  # [m] residuals far above it count by their size
-    free: Reals = field(
-        default_factory=lambda: np.zeros((0, 0))
-    )  # (S, k) directions of the shared unknowns that are estimated
+    # (S, k) directions of the shared unknowns that are estimated.
+    free: Reals = field(default_factory=lambda: np.zeros((0, 0)))
     clocks: tuple[bool, ...] = ()  # whether the clock of each log is estimated
     clock_spread: float = UNIT_CLOCK  # [s] standard deviation of clock offsets before any log
 
@@ -62,9 +60,8 @@ class State:
     """Values of all unknowns."""
 
     shared: Reals  # (S,) in SI units: parameters, mount
-    own: tuple[
-        Reals, ...
-    ]  # of each log: its clock offset [s], and x, y [m], heading [rad] at the start of each leg
+    # Of each log: its clock offset [s], and x, y [m], heading [rad] at the start of each leg.
+    own: tuple[Reals, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -137,7 +137,7 @@ def of_fit(fit: Fit) -> Noise:
     every, share = tracks(fit), spare(fit)
     if every or share == 0:
         return noise(every, share)
-    squares = np.concatenate([one.values[one.weights > 0] for one in fit.rows]) ** 2
+    squares = fit.residuals**2
     level = (USUAL.position + float(squares.sum())) / (1 + share * len(squares))
     return Noise(0.0, 0.0, level, level / LEVER**2)
 
@@ -177,7 +177,7 @@ def noise(every: list[Track], share: float = 1.0) -> Noise:
             values.append(float(np.minimum(squares, _ROBUST * np.median(squares)).mean()) / share)
             counts.append(share * len(squares) / lag)  # independent differences
     usual = np.array([USUAL.position_walk, USUAL.heading_walk, USUAL.position, USUAL.heading])
-    rows, means = np.array([*matrix]).reshape(-1, 4), np.array(values)
+    rows, means = np.array(matrix).reshape(-1, 4), np.array(values)
     expected, most = rows @ usual, usual
     for _ in range(_ROUNDS if len(rows) else 0):
         weights = np.sqrt(counts) / np.maximum(expected, 1e-12)  # errors of mean squares are relative
@@ -197,9 +197,8 @@ class Share:
 
     matrix: Reals  # (S, S) of the normal equations, in units, its own unknowns eliminated
     meat: Reals  # (S, S) covariance of the gradient
-    clock: tuple[
-        float, Reals
-    ]  # [s^2] variance of its clock for known shared unknowns, and how it follows them (S,)
+    # [s^2] variance of its clock for known shared unknowns, and how it follows them (S,).
+    clock: tuple[float, Reals]
 
 
 def shares(fit: Fit, level: Noise) -> list[Share]:

@@ -46,8 +46,9 @@ class Path:
     def between(self, step: Indices, share: Reals) -> Path:
         """Return poses inside steps.
 
-        Inside a step the robot moves along an arc: beside the chord by its length, i omega / 2 and the shares that are
-        over and left, which is right to the square of omega. Outside the step it goes on along the chord.
+        Inside a step the robot moves along an arc. Its distance from the chord is the length of the chord times half of
+        omega, times the share that is over, times the share that is left. This is right to the square of omega. Outside
+        the step the robot goes on along the chord.
 
         Args:
             step: (n,) numbers of the steps.
@@ -79,9 +80,8 @@ class Increments:
     joints: tuple[str, ...]  # inputs of `forward` by contract name
     parameters: tuple[str, ...]  # its other inputs, and the gains of joints
     twist: OfColumns  # vx, vy, omega and their derivatives by each parameter, of columns of all inputs
-    rows: (
-        OfColumns | None
-    )  # the residual of each measured row, and its derivatives; None without redundant joints
+    # The residual of each measured row, and its derivatives; None without redundant joints.
+    rows: OfColumns | None
 
     @staticmethod
     def of(forward: Function, rows: Function | None, scaled: Sequence[str] = ()) -> Increments:

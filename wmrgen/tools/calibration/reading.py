@@ -108,15 +108,11 @@ def _check_times(table: Table, poses: Table) -> None:
         raise UsageError(
             f"{table.where}: readings are {usual:g} s apart. t has to be in seconds: is it in milliseconds?"
         )
-    if at[0] > t[-1] or at[-1] < t[0]:
-        raise UsageError(
-            f"{poses.where} covers t = {at[0]:g} to {at[-1]:g}, {table.where} covers {t[0]:g} to {t[-1]:g}: they do "
-            "not overlap. Both need the same clock up to a second, in seconds"
-        )
     inside = int(np.sum((at >= t[0] - BEYOND) & (at <= t[-1] + BEYOND)))
-    if inside < 2:
+    if inside < 2 or at[0] > t[-1] or at[-1] < t[0]:
         raise UsageError(
-            f"{poses.where}: {inside} of {len(at)} poses lie in t = {t[0]:g} to {t[-1]:g}, which {table.where} covers. "
+            f"{poses.where} covers t = {at[0]:g} to {at[-1]:g}, {table.where} covers {t[0]:g} to {t[-1]:g}: "
+            f"{inside} of {len(at)} poses lie in the log or within a second of it. "
             "Both need the same clock up to a second, in seconds"
         )
     if step.max() > _GAP * usual:

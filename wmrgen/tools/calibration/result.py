@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wmrgen.tools.calibration.errors import Drawn, Errors, drawn
+from wmrgen.tools.calibration.errors import Drawn, Errors, drawn, errors
 from wmrgen.tools.calibration.estimator import Fit
 from wmrgen.tools.calibration.joint_noise import JointNoise
 from wmrgen.tools.calibration.noise import Noise
@@ -53,11 +53,18 @@ class Calibration:
     slips: tuple[Slip, ...]
     turns: float  # in the rotation that is least certain; nan where no number was in doubt
     alternatives: tuple[Alternative, ...]
-    before: Errors
-    after: Errors
-    verdict: (
-        Verdict | None
-    )  # None: no log can be left out, because the others do not determine the parameters
+    # None: no log can be left out, because the others do not determine the parameters, or no error was measured.
+    verdict: Verdict | None
+
+    @property
+    def before(self) -> Errors:
+        """Errors with nominal parameters and mount."""
+        return errors(self.residuals(nominal=True))
+
+    @property
+    def after(self) -> Errors:
+        """Errors with those of the fit."""
+        return errors(self.residuals())
 
     def residuals(self, nominal: bool = False) -> list[Drawn]:
         """Return odometry and reference of each log.

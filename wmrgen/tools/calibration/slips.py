@@ -16,10 +16,11 @@ from wmrgen.tools.calibration.model import LEVER
 from wmrgen.tools.calibration.noise import Track
 from wmrgen.tools.calibration.path import Reals
 
-_FAR = 20.0  # robust standard deviations of a jump; OptiOdom's tricycle has jumps of 16, and no slip is known
-_WINDOW = (
-    3.0  # [s] before and behind a jump, over which its size is a median: a glitch of the reference is no jump
-)
+# Robust standard deviations of a jump. In 71 of 77 OptiOdom sets there are at most 19.8, in six of the tricycle 29 to
+# 37.
+_FAR = 20.0
+# [s] before and after a jump, over which its size is a median: a glitch of the reference is no jump
+_WINDOW = 3.0
 _LASTS = 1.0  # [s] between the two windows: slips are short
 _ROWS = 3  # reference poses that a window and a leg must have
 _MEDIAN = 1.4826  # standard deviations of a normal distribution in a median absolute value
@@ -57,9 +58,8 @@ def find(fit: Fit, every: list[Track]) -> list[tuple[int, Slip]]:
             worst = int(np.argmax(heights))
             _, first, last, moved, turned = (float(v) for v in rows[worst])
             result.append((index, Slip(fit.problem.logs[index].name, first, last, moved, turned)))
-            heights[np.abs(rows[:, 1] - first) < _WINDOW + _LASTS] = (
-                0.0  # the same jump, seen from the poses around it
-            )
+            # The poses around it see the same jump.
+            heights[np.abs(rows[:, 1] - first) < _WINDOW + _LASTS] = 0.0
     return result
 
 

@@ -89,10 +89,8 @@ def _columns(path: Path, empty: bool) -> dict[str, Reals]:
             header = [name.strip() for name in next(csv.reader(stream), [])]
             _check_header(f"{path}:1", header)
             numbers = np.empty((0, 0))
-            with (
-                warnings.catch_warnings(action="ignore"),
-                suppress(ValueError),
-            ):  # reported below with the line
+            # A cell that is no number is reported below, with its line.
+            with warnings.catch_warnings(action="ignore"), suppress(ValueError):
                 numbers = np.loadtxt(stream, delimiter=",", ndmin=2)
             if numbers.shape[1] != len(header):
                 numbers = _by_line(path, header, empty)

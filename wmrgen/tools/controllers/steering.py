@@ -108,7 +108,6 @@ def _pattern(name: str) -> re.Pattern[str]:
 
 # Steered wheels do not drive, so the formula does not use their radius, but Humble requires a positive number.
 _RADII = {"front_wheels_radius": "radius", "rear_wheels_radius": "radius"}
-
 _TRACKS = {"front_wheel_track": "steering_track", "rear_wheel_track": "traction_track"}
 
 
@@ -184,11 +183,7 @@ TYPES = (
         reads_older=_READ_BOTH,
         reads_only_older=_READ_OLDER,
         older_commands={"humble": ackermann_of_humble},
-        releases={
-            "humble": _humble(
-                {"front_wheel_track": "steering_track", "rear_wheel_track": "traction_track", **_RADII}
-            )
-        },
+        releases={"humble": _humble({**_TRACKS, **_RADII})},
         steering=_STEERS,
         turns_on_spot=False,
     ),

@@ -39,8 +39,7 @@ class Sight(NamedTuple):
     robot: Robot
     turning: Sequence[Candidate]
     rejected: Sequence[Rejected] = ()
-    # Origin and direction of each axle, rounded: pairs of many wheels are compared with these first.
-    axles: Sequence[tuple[Sequence[float], Sequence[float]]] = ()
+    origins: Sequence[Sequence[float]] = ()  # of ``turning``, rounded: exact numbers of many pairs take long
 
 
 # Each returns why a candidate is no wheel, or "".
@@ -53,9 +52,9 @@ _LIMBS = ("reaches to one side", "chain of joints", "propeller")
 def rejected(robot: Robot, turning: Sequence[Candidate]) -> list[Rejected]:
     """Return the candidates that a rule rejects, rule by rule."""
     result: list[Rejected] = []
-    axles = [(tuple(map(float, c.origin)), tuple(map(float, c.axis))) for c in turning]
+    origins = [tuple(map(float, c.origin)) for c in turning]
     for each in REJECTIONS:
-        sight = Sight(robot, turning, tuple(result), axles)
+        sight = Sight(robot, turning, tuple(result), origins)
         taken = {id(rejection.joint) for rejection in result}
         for c in turning:
             if id(c.joint) not in taken and (why := each.check(sight, c)):
@@ -209,22 +208,17 @@ def _radius(robot: Robot, c: Candidate) -> float:
     return float(c.radius) if c.shape else max((reach.radius for reach in robot.bounds(c)), default=0.0)
 
 
-def _apart(
-    origin: Sequence[float], axis: Sequence[float], middle: Sequence[float], direction: Sequence[float]
-) -> bool:
-    """Return whether two axles are clearly not one, by rounded numbers.
+def _is_aside(point: Sequence[float], middle: Sequence[float], direction: Sequence[float]) -> bool:
+    """Return whether a point is clearly not on an axle, by rounded numbers.
 
     Args:
-        origin: A point of the first [m].
-        axis: The direction of the first.
-        middle: A point of the second [m].
-        direction: The direction of the second.
+        point: The point [m].
+        middle: A point of the axle [m].
+        direction: The unit vector of the axle.
     """
-    along = sum(a * b for a, b in zip(axis, direction, strict=True))
-    off = [a - b for a, b in zip(origin, middle, strict=True)]
+    off = [a - b for a, b in zip(point, middle, strict=True)]
     ahead = sum(a * b for a, b in zip(off, direction, strict=True))
-    aside = sum(a * a for a in off) - ahead**2
-    return aside > 2 * float(EVEN) ** 2 or abs(along) < COAXIAL - float(EVEN)
+    return sum(a * a for a in off) - ahead**2 > 2 * float(EVEN) ** 2
 
 
 def _axle(sight: Sight, c: Candidate) -> tuple[Candidate, ...]:
@@ -232,8 +226,8 @@ def _axle(sight: Sight, c: Candidate) -> tuple[Candidate, ...]:
     if c.steer or not c.joint.moves:
         return ()
     on_axle, middle, direction = [], tuple(map(float, c.origin)), tuple(map(float, c.axis))
-    for w, (origin, axis) in zip(sight.turning, sight.axles, strict=True):
-        if _apart(origin, axis, middle, direction):
+    for w, origin in zip(sight.turning, sight.origins, strict=True):
+        if _is_aside(origin, middle, direction):
             continue
         aside = across(plus(w.origin, c.origin, -1), c.axis)
         if w is not c and not w.steer and dot(aside, aside) < EVEN**2 and abs(dot(w.axis, c.axis)) > COAXIAL:

@@ -35,14 +35,13 @@ LOADED = (
 def serve() -> None:
     for module in LOADED:
         import_module(module)
-    start = time.process_time()
     artifacts(wmrgen.derive(wmrgen.load(ROBOT)))  # loads templates, and numbers that sympy keeps
     gc.collect()
     gc.freeze()  # shared by all, never written to
     # Resolve xacro in the process that is watched, so that nothing which an expression does goes unseen.
     vars(xacro_process)["run_python"] = lambda _, asked, __: xacro_process.answer(asked)
     answers = os.fdopen(os.dup(1), "w", buffering=1)
-    answers.write(json.dumps(start) + "\n")
+    answers.write(json.dumps("ready") + "\n")
     for line in sys.stdin:
         order = json.loads(line)
         started = [_started(order, number) for number in range(order["runs"])]

@@ -111,7 +111,7 @@ def calibrate(
                 derivation, logs, truth or (), one_clock=one_clock, mount=_mount(mount), start_error=start_error,
                 gains=gain or (), mapped=mapped,
             )  # fmt: skip
-        good = result.verdict is None or result.verdict.better
+        good = result.better
         if good:
             _write(robot, derivation, result, out, files)
         more = _planned(derivation, precision, result, gain or ()) if plan or result.unobservable else None
@@ -197,7 +197,7 @@ def _as_data(derivation: Derivation, result: Calibration) -> dict[str, Any]:
     values = {name: e.value for name, e in result.parameters.items()}
     verdict = result.verdict
     return {
-        "better": None if verdict is None else verdict.better,
+        "better": None if verdict is None and result.better else result.better,
         "parameters": {name: asdict(e) for name, e in result.parameters.items()},
         "unobservable": [list(group) for group in result.unobservable],
         "covariance": result.covariance.tolist(),
@@ -233,6 +233,8 @@ def _show(derivation: Derivation, result: Calibration) -> None:
     if verdict is None:
         console.result(
             "  no verdict: all of these drives are needed for the fit, so no drive is left for a test; record more"
+            if result.better
+            else "  the new values explain these drives no better than nominal ones, DO NOT USE THEM"
         )
     else:
         word = (

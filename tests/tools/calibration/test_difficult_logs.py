@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import Outcome
-from tests.tools.calibration.drives import change_references, copied, written
+from tests.tools.calibration.drives import change_references, copied, derived, written
 from tests.tools.calibration.simulated import AHEAD, LAYOUTS, Encoders, Reals, Tracker
 from tests.tools.calibration.test_diagnoses import robot_of
 from tests.tools.calibration.test_laws import check_same, copies, logs, plain  # noqa: F401
@@ -22,6 +22,7 @@ from tests.tools.calibration.test_simulated_robots import (
     ROUGH,
     calibrated,
     check_within,
+    some,
 )
 from wmrgen.errors import UsageError
 from wmrgen.tools.calibration.calibrate import calibrate
@@ -30,7 +31,7 @@ from wmrgen.tools.calibration.noise import noise
 SLIPS = ((7.0, 7.6, 1.8), (20.0, 20.4, 0.3))  # first and last time [s], and how far the wheel turns
 
 
-@pytest.mark.parametrize("name", ["differential"])
+@pytest.mark.parametrize("name", some(("differential", "mecanum", "swerve", "tricycle"), ("mecanum",)))
 def test_a_wheel_that_spins_for_a_second_in_every_drive(tmp_path: Path, name: str) -> None:
     layout = LAYOUTS[name]
     first = next(iter(layout.wheels(layout.true)))
@@ -97,11 +98,47 @@ def test_noise_levels_on_arcs() -> None:
     [
         ("tricycle-square", lambda rows: rows[:, [0, 2, 1, 3]]),
         ("omni3-square", lambda rows: rows * (1, 1 / 0.3048, 1 / 0.3048, 1)),
+        ("tricycle-square", lambda rows: rows * (1, 1, -1, -1)),
+        ("diff-square", lambda rows: rows * (1, 1, -1, 1)),
     ],
-    ids=["x and y exchanged", "feet"],
+    ids=["x and y exchanged", "feet", "y right and theta clockwise", "y right"],
 )
 def test_wrong_references_are_refused(tmp_path: Path, name: str, change: Callable[[Reals], Reals]) -> None:
     paths = copied(tmp_path, name)
     change_references(paths, change)
     with pytest.raises(UsageError):
         calibrate(robot_of(name), paths)
+
+
+@pytest.mark.parametrize("off", [0.1, 0.05])
+def test_drives_that_contradict_each_other_are_refused(tmp_path: Path, off: float) -> None:
+    """The track of one drive is as much narrower as that of the other is wider, so a fit of both stays nominal."""
+    layout = LAYOUTS["differential"]
+    every = []
+    for name, share, drive in (("a", 1 - off, AHEAD[0]), ("b", 1 + off, AHEAD[1])):
+        true = {**layout.true, "half_track": share * layout.true["half_track"]}
+        (tmp_path / name).mkdir()
+        one = replace(layout, true=true, drives=(drive,))
+        every += written(tmp_path / name, one, seconds=24, tracker=NOISY, encoders=ROUGH)
+    with pytest.raises(UsageError):
+        calibrate(derived(layout.text), every, [path.with_suffix(".truth.csv") for path in every])
+
+
+def test_values_without_a_verdict_must_explain_their_own_drives(
+    tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
+) -> None:
+    """Two lines that need radii 10 % apart: the mean radius is the nominal one."""
+    robot = tmp_path / "robot.yaml"
+    robot.write_text(
+        "wmrgen: 1\nname: lines\nparameters:\n  r: {value: 0.1, tunable: true}\nwheels:\n"
+        "  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: r}\n"
+        "  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: r}\n"
+    )
+    for name, metres in (("a", 3.8), ("b", 4.2)):
+        angle = 40.0  # [rad]: 4 m by the nominal radius
+        rows = "".join(f"{t},{angle * t / 20:.6f},{angle * t / 20:.6f}\n" for t in range(21))
+        (tmp_path / f"{name}.csv").write_text(f"t,left.angle,right.angle\n{rows}")
+        (tmp_path / f"{name}.truth.csv").write_text(f"t,x,y,theta\n0,0,0,0\n20,{metres},0,0\n")
+    out = tmp_path / "new.yaml"
+    outcome = wmrgen_cli("calibrate", robot, tmp_path / "a.csv", tmp_path / "b.csv", "-o", out)
+    assert outcome.code == 1 and not out.exists()

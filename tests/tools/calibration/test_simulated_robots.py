@@ -68,6 +68,9 @@ def test_clean_drives_give_the_true_parameters(tmp_path: Path, name: str) -> Non
         if not weak:
             assert result.parameters[parameter].value == pytest.approx(value, rel=3e-4, abs=2e-4)
     assert weak_parameters(result) == set(layout.together)
+    if len(layout.together) == 1:
+        (name,) = layout.together
+        assert result.parameters[name].value == result.parameters[name].nominal
     if not layout.together:
         mount = [result.mount[axis].value for axis in ("x", "y", "theta")]
         assert mount == pytest.approx([0.04, -0.07, 0.0], abs=2e-3)

@@ -148,7 +148,7 @@ def of_problem(robot: Robot, problem: Problem) -> Calibration:
     scale = max(found.fit.problem.scale for found, _ in tried)
     deviances = [_deviance(found.fit, scale) for found, _ in tried]
     found, chosen = tried[int(np.argmin(deviances))]
-    diagnoses.refuse(found.fit, partial(_refitted, problem))
+    diagnoses.refuse(found.fit, problem.logs, partial(_refitted, problem))
     alternatives = _alternatives(tried, deviances, chosen)
     parameters, mount, clocks = _estimates(robot, found)
     count = len(problem.nominal)
@@ -213,19 +213,35 @@ def settled(fit: Fit) -> Determined:
     spread = observability.clock_spread(clocks)
     fit = estimator.minimised(replace(fit.problem, clock_spread=spread), fit.state)
     covariance = noise.covariance(fit, level)
-    kept, nominal = split(covariance.shared, fit.problem.free)
+    nominal = split(covariance.shared, fit.problem.free)[1]
     if nominal.shape[1]:
+        kept = observability.without(fit.problem.free, nominal)
         if np.linalg.norm(nominal[-1]) > _ALONE:  # nothing says how the tracked body is turned
             fit = replace(fit, problem=replace(fit.problem, mount=(0.0, 0.0, 0.0)))
         off = (fit.state.shared - fit.problem.origin) / fit.problem.units
         shared = fit.problem.origin + fit.problem.units * (kept @ (kept.T @ off))
         problem = replace(fit.problem, free=kept)
         fit = _again(problem, replace(fit, state=replace(fit.state, shared=shared)))
+        fit = _with_nominal(fit, groups(problem, problem.increments.parameters, nominal))
         level = noise.of_fit(fit)
         covariance = noise.covariance(fit, level)
     return Determined(
         fit, level, covariance, nominal, clocks, tuple(sorted(found, key=lambda s: (s.log, s.start)))
     )
+
+
+def _with_nominal(fit: Fit, open_groups: Sequence[Sequence[str]]) -> Fit:
+    """Return the fit with each unknown nominal that is alone in its group, or is the only parameter there.
+
+    A direction that stays nominal has small parts of other unknowns too, so the fit may have moved these a little.
+    """
+    names, shared = [*fit.problem.increments.parameters, *observability.MOUNT], fit.state.shared.copy()
+    for group in open_groups:
+        parameters = [name for name in group if name not in observability.MOUNT]
+        if len(group) == 1 or len(parameters) == 1:
+            index = names.index((parameters or group)[0])
+            shared[index] = fit.problem.origin[index]
+    return estimator.evaluated(fit.problem, replace(fit.state, shared=shared))
 
 
 def _in_brief_legs(fit: Fit) -> Fit:

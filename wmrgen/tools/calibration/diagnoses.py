@@ -17,8 +17,12 @@ import numpy as np
 from wmrgen.errors import UsageError
 from wmrgen.tools.calibration.estimator import Fit
 from wmrgen.tools.calibration.logs import Log, Poses
+from wmrgen.tools.calibration.model import LEVER
 
-_FAR = 0.05  # of the extent of the drives: the worst of 77 OptiOdom sets comes to 0.032
+_FAR = 0.08  # of the extent of a drive: the worst of 77 OptiOdom sets comes to 0.036, without one of its drives 0.047
+_TURNED = (
+    0.25  # [rad] of headings: the worst of 77 OptiOdom sets comes to 0.13, without one of its drives 0.15
+)
 _MOST = 90  # percent of residuals that are at most so large: the others may be glitches of a tracker
 _EXTENT = 0.5  # [m] that drives count for at least: a robot on the spot moves by a tracker's noise
 _TIMES = 2.0  # times a nominal length, or half of it: no tape measure is so wrong
@@ -119,13 +123,18 @@ RULES = (
 
 
 def misfit(fit: Fit) -> float:
-    """Return the residuals of the worst log, relative to the extent of its drive; a fit above 1 is refused."""
+    """Return the residuals of the worst log, relative to their limits; a fit above 1 is refused.
+
+    The limit of places is a share of the extent of the drive. Headings have a limit of their own.
+    """
     worst = 0.0
     for log, one in zip(fit.problem.logs, fit.rows, strict=True):
-        sizes = np.abs(one.values[one.weights > 0])
-        extent = max(float(np.ptp(axis[np.isfinite(axis)])) for axis in _axes(log)) if _axes(log) else 0.0
-        if len(sizes):
-            worst = max(worst, float(np.percentile(sizes, _MOST)) / (_FAR * max(extent, _EXTENT)))
+        extent = max([_EXTENT, *(float(np.ptp(axis[np.isfinite(axis)])) for axis in _axes(log))])
+        parts = ((slice(0, 2), _FAR * extent), (slice(2, 3), LEVER * _TURNED))
+        for part, limit in parts:
+            sizes = np.abs(one.values[part][one.weights[part] > 0])
+            if len(sizes):
+                worst = max(worst, float(np.percentile(sizes, _MOST)) / limit)
     return worst
 
 
@@ -145,24 +154,25 @@ def unlikely(fit: Fit) -> list[str]:
     return result
 
 
-def refuse(fit: Fit, fitted: Callable[[Sequence[Log]], Fit]) -> None:
+def refuse(fit: Fit, every: Sequence[Log], fitted: Callable[[Sequence[Log]], Fit]) -> None:
     """Raise UsageError for logs that no likely parameters explain.
 
     Args:
         fit: The estimate.
+        every: The logs as they were read, before turns were counted by odometry that may be wrong.
         fitted: Fits short stretches of other readings of the logs.
     """
     far, odd = misfit(fit), unlikely(fit)
     if far < 1 and not odd:
         return
-    logs = fit.problem.logs[:_LOGS]
+    logs = every[:_LOGS]
     # Odd parameters may fit as well as likely ones: exchanged wheels are a mirror image.
     limit = (_EQUAL if odd else _BETTER) * _size(fitted(logs))
     found = list[tuple[float, str]]()
     for rule in RULES:
         for words, change in rule.readings(logs[0]):
             other = fitted([change(log) for log in logs])
-            if not unlikely(other) and _size(other) < limit:
+            if not unlikely(other) and misfit(other) < 1 and _size(other) < limit:
                 found.append((_size(other), words))
     best = [words for size, words in found if size < _EQUAL * min(found)[0]]
     figures = "; ".join(odd) or f"odometry stays {_size(fit):.2g} m off"

@@ -51,16 +51,44 @@ def groups(problem: Problem, names: Sequence[str], directions: Reals) -> tuple[t
         names: (P,) of the parameters.
         directions: (S, k).
     """
-    every, left, result = [*names, *MOUNT], directions.copy(), []
+    every, result = [*names, *MOUNT], []
     assert len(every) == len(problem.origin)
+    for direction in _sparse(directions):
+        size = np.abs(direction)
+        result.append(tuple(every[i] for i in np.argsort(-size) if size[i] > _PART * size.max()))
+    return tuple(result)
+
+
+def _sparse(directions: Reals) -> list[Reals]:
+    """Return directions that span the same, each with as few unknowns as possible."""
+    left, result = directions.copy(), list[Reals]()
     while left.shape[1]:
         # The direction with the largest single part, so that a group has one unknown if possible.
         row = int(np.argmax(np.linalg.norm(left, axis=1)))
-        size = np.abs(left @ (left[row] / np.linalg.norm(left[row])))
-        result.append(tuple(every[i] for i in np.argsort(-size) if size[i] > _PART * size.max()))
+        result.append(left @ (left[row] / np.linalg.norm(left[row])))
         rotation = np.linalg.qr(np.column_stack([left[row], np.eye(left.shape[1])]))[0]
         left = left @ rotation[:, 1:]
-    return tuple(result)
+    return result
+
+
+def without(free: Reals, directions: Reals) -> Reals:
+    """Return the directions that are estimated if others stay nominal, (S, j).
+
+    A parameter that is determined only together with the mount stays nominal, and the mount is estimated: no robot file
+    has a mount.
+
+    Args:
+        free: (S, k) orthonormal directions that were estimated.
+        directions: (S, l) that are not determined.
+    """
+    kept_nominal = []
+    for direction in _sparse(directions):
+        parameters = np.append(direction[: -len(MOUNT)], np.zeros(len(MOUNT)))
+        shared = np.abs(parameters).max() > _PART * np.abs(direction).max()
+        kept_nominal.append(parameters if shared else direction)
+    inside = free.T @ np.array(kept_nominal).reshape(-1, len(free)).T
+    rank = inside.shape[1]
+    return np.asarray(free @ np.linalg.qr(inside, mode="complete")[0][:, rank:])
 
 
 def clock_spread(clocks: Reals) -> float:

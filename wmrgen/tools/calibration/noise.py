@@ -122,11 +122,18 @@ def swings(track: Track, lag: int) -> Reals:
 
 
 def spare(fit: Fit) -> float:
-    """Return the share of the measurements that the unknowns leave for noise, 0 to 1."""
+    """Return the share of the measurements that the unknowns leave for noise, 0 to 1.
+
+    An unknown counts by the share of its information that comes from the logs and not from its prior.
+    """
     problem = fit.problem
     measured = sum(int((one.weights > 0).sum()) for one in fit.rows)
-    unknown = sum(3 * len(legs) for legs in problem.legs) + sum(problem.clocks) + problem.free.shape[1]
-    return max(0.0, 1 - float(unknown / max(measured, 1)))
+    logs = [reduced(normal) for normal in fit.normals]
+    matrix = problem.free.T @ sum(log.shared[0] for log in logs) @ problem.free
+    unknown = float(np.trace(np.linalg.solve(matrix + PRIOR**2 * np.eye(len(matrix)), matrix)))
+    for legs, log in zip(problem.legs, logs, strict=True):
+        unknown += 3 * len(legs) + 1 - problem.clock_spread**-2 / log.matrix[-1, -1]
+    return max(0.0, 1 - unknown / max(measured, 1))
 
 
 def of_fit(fit: Fit) -> Noise:

@@ -13,7 +13,6 @@ from wmrgen.tools.calibration.path import Reals
 from wmrgen.tools.calibration.picture import picture
 from wmrgen.tools.calibration.slips import Slip
 
-
 _GAIN = 0.9  # of errors with nominal values: a fit lowers errors on its own drives a little whatever it fits
 
 

@@ -120,7 +120,7 @@ def test_drives_that_contradict_each_other_are_refused(tmp_path: Path, off: floa
         (tmp_path / name).mkdir()
         one = replace(layout, true=true, drives=(drive,))
         every += written(tmp_path / name, one, seconds=24, tracker=NOISY, encoders=ROUGH)
-    with pytest.raises(UsageError):
+    with pytest.raises(UsageError, match=r"half_track is 0\.1\d+ by run-0, 0\.2\d+ by run-0"):
         calibrate(derived(layout.text), every, [path.with_suffix(".truth.csv") for path in every])
 
 

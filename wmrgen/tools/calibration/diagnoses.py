@@ -176,12 +176,31 @@ def refuse(fit: Fit, every: Sequence[Log], fitted: Callable[[Sequence[Log]], Fit
                 found.append((_size(other), words))
     best = [words for size, words in found if size < _EQUAL * min(found)[0]]
     figures = "; ".join(odd) or f"odometry stays {_size(fit):.2g} m off"
-    hint = (
-        f" They would agree if {', or if '.join(best)}."
-        if best
-        else " Do log and reference belong to one drive of this robot?"
-    )
+    hint = " Do log and reference belong to one drive of this robot?"
+    if best:
+        hint = f" They would agree if {', or if '.join(best)}."
+    elif apart := _contradiction([fitted([log]) for log in logs]):
+        hint = f" Each drive alone agrees with the robot, but they contradict each other: {apart}."
     raise UsageError(f"no likely parameter values explain these logs: {figures}.{hint}")
+
+
+def _contradiction(alone: Sequence[Fit]) -> str:
+    """Return the parameter that differs most between drives, in words; empty if some drive alone does not fit either.
+
+    Args:
+        alone: A fit of each drive.
+    """
+    if len(alone) < 2 or any(misfit(fit) >= 1 or unlikely(fit) for fit in alone):
+        return ""
+    problem = alone[0].problem
+    count = len(problem.nominal)
+    values = np.array([fit.state.shared[:count] for fit in alone])
+    most = int(np.argmax(np.ptp(values, axis=0) / problem.units[:count]))
+    each = [
+        f"{value:.4g} by {fit.problem.logs[0].name}"
+        for value, fit in zip(values[:, most], alone, strict=True)
+    ]
+    return f"{problem.increments.parameters[most]} is {', '.join(each)}"
 
 
 def _size(fit: Fit) -> float:

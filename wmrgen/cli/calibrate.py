@@ -208,6 +208,7 @@ def _as_data(derivation: Derivation, result: Calibration) -> dict[str, Any]:
         "clocks": {name: asdict(e) for name, e in result.clocks.items()},
         "noise": {name: getattr(result.noise, name) ** 0.5 for name in _NOISE},
         "joint_noise": None if result.joint_noise is None else asdict(result.joint_noise),
+        "gyro": None if result.gyro is None else asdict(result.gyro),
         "slips": [asdict(slip) for slip in result.slips],
         "turns": result.turns if isfinite(result.turns) else None,
         "alternatives": [asdict(other) for other in result.alternatives],

@@ -24,6 +24,7 @@ from wmrgen.ir.lower import lower
 from wmrgen.tools.calibration import diagnoses, estimator, noise, observability, slips, start, turns
 from wmrgen.tools.calibration.errors import drawn, errors
 from wmrgen.tools.calibration.estimator import PRIOR, Fit
+from wmrgen.tools.calibration.gyro import gyro
 from wmrgen.tools.calibration.joint_noise import joint_noise
 from wmrgen.tools.calibration.logs import Log, check, thinned
 from wmrgen.tools.calibration.model import MOUNT, Problem
@@ -66,7 +67,7 @@ def increments_of(derivation: Derivation, gains: Sequence[str] = ()) -> tuple[In
     Returns:
         The increments, and the nominal value of each unknown. UsageError if there is none.
     """
-    derivation = derivation.without_gyro  # logs have no column for it
+    derivation = derivation.without_gyro  # it is calibrated by itself, see `gyro`
     robot = derivation.robot
     if not robot.tunable and not gains:
         raise UsageError(
@@ -106,7 +107,8 @@ def calibrate(
     Args:
         robot: The robot, or its derivation.
         logs: Joint readings of each drive: the path of a CSV file, or a mapping or data frame with the same columns,
-            ``t`` [s] and ``<wheel>.angle`` [rad], ``.counts`` or ``.spin`` [rad/s], ``<wheel>.steer`` [rad].
+            ``t`` [s] and ``<wheel>.angle`` [rad], ``.counts`` or ``.spin`` [rad/s], ``<wheel>.steer`` [rad], and
+            ``gyro`` [rad/s] if the robot has one.
         references: Reference poses of each drive, with the columns ``t`` [s] and any of ``x``, ``y`` [m] and ``theta``
             [rad]; by default the files ``NAME.truth.csv`` beside the logs.
         one_clock: Whether each log and its reference poses have the same clock.
@@ -125,7 +127,10 @@ def calibrate(
         raise UsageError(f"the deviation of a first pose is {start_error:g} m: it has to be above 0")
     derivation = robot if isinstance(robot, Derivation) else Derivation(robot)
     increments, nominal = increments_of(derivation, gains)
-    load = partial(_loaded, increments=increments, nominal=nominal, counts=counts_per_turn(derivation.robot))
+    load = partial(
+        _loaded, increments=increments, nominal=nominal, counts=counts_per_turn(derivation.robot),
+        gyro=derivation.robot.gyro is not None,
+    )  # fmt: skip
     every = tuple(map(check, mapped(load, recordings(logs, references))))
     free = np.eye(len(nominal) + MOUNT)
     problem = Problem(
@@ -136,9 +141,11 @@ def calibrate(
     return of_problem(derivation.robot, problem)
 
 
-def _loaded(recording: Recording, increments: Increments, nominal: Reals, counts: Mapping[str, float]) -> Log:
+def _loaded(
+    recording: Recording, increments: Increments, nominal: Reals, counts: Mapping[str, float], gyro: bool
+) -> Log:
     """Return a log, read and thinned."""
-    return thinned(read(recording, increments.joints, counts), increments, nominal)
+    return thinned(read(recording, increments.joints, counts, gyro), increments, nominal)
 
 
 def of_problem(robot: Robot, problem: Problem) -> Calibration:
@@ -156,7 +163,7 @@ def of_problem(robot: Robot, problem: Problem) -> Calibration:
     return Calibration(
         found.fit, parameters, mount, clocks, _unobservable(robot, found),
         found.covariance.shared[:count, :count] * spread * spread[:, None], found.noise,
-        joint_noise(found.fit, found.noise), found.slips,
+        joint_noise(found.fit, found.noise), gyro(found.fit), found.slips,
         chosen.turns, alternatives, verdict(found),
     )  # fmt: skip
 

@@ -54,6 +54,7 @@ class Log:
     name: str
     t: Reals  # (N + 1,) [s]
     # (N,) of each joint [rad]: increments of `<wheel>.spin` and `<wheel>.steer_rate`, the angle of `<wheel>.steer`.
+    # Increments of `gyro` [rad], if the robot has one and the log has its readings.
     columns: Mapping[str, Reals]
     poses: Poses
     rows: int = 0  # readings before thinning

@@ -17,8 +17,8 @@ _EACH = 6  # clocks or slips that get a sentence each; more of them share one
 def notes(robot: Robot, result: Calibration) -> list[str]:
     """Return the sentences."""
     return [
-        *_turns(result), *_gains(result), *_open(result), *_mount(result), *_clocks(result), *_slips(result),
-        *_folds(result), *_noise(result), *_ranges(robot, result),
+        *_turns(result), *_gains(result), *_open(result), *_mount(result), *_clocks(result), *_gyro(result),
+        *_slips(result), *_folds(result), *_noise(result), *_ranges(robot, result),
     ]  # fmt: skip
 
 
@@ -91,6 +91,16 @@ def _clocks(result: Calibration) -> list[str]:
         f"{name}: the clock of the reference is {e.value:+.3f} +- {e.sigma:.1g} s off."
         for name, e in late.items()
     ]
+
+
+def _gyro(result: Calibration) -> list[str]:
+    if result.gyro is None:
+        return []
+    scale, bias = result.gyro.scale, result.gyro.bias
+    said = f"Gyro: subtract {bias.value:.3g} +- {bias.sigma:.1g} rad/s from each reading"
+    if scale.sigma is None:
+        return [f"{said}. These drives turn too little to show its scale."]
+    return [f"{said}, and multiply the result by {scale.value:.5g} +- {scale.sigma:.1g}."]
 
 
 def _slips(result: Calibration) -> list[str]:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from wmrgen.errors import UsageError
+from wmrgen.geometry.ports import GYRO
 from wmrgen.tools.calibration.logs import BEYOND, Log, Poses
 from wmrgen.tools.calibration.path import Reals
 from wmrgen.tools.calibration.tables import Table, table_of, without_other_headings
@@ -70,13 +71,14 @@ def recordings(logs: Sequence[Source], references: Sequence[Source]) -> list[Rec
     return result
 
 
-def read(recording: Recording, joints: Sequence[str], turns: Mapping[str, float]) -> Log:
+def read(recording: Recording, joints: Sequence[str], turns: Mapping[str, float], gyro: bool = False) -> Log:
     """Read a log and its reference poses.
 
     Args:
         recording: Joint readings, and reference poses with the columns t and any of x, y and theta.
         joints: Readings that the robot's `forward` takes.
         turns: Counts per turn of each joint that has an encoder in the robot file.
+        gyro: Whether to read the column of a gyro [rad/s], if there is one.
 
     Returns:
         The log. UsageError, with the line, if it cannot be read.
@@ -90,6 +92,8 @@ def read(recording: Recording, joints: Sequence[str], turns: Mapping[str, float]
         raise UsageError(f"{reference}: there is no column x, y or theta, only {', '.join(poses.columns)}")
     _check_times(table, poses)
     columns = {joint: _increments(table, joint, turns, t) for joint in joints}
+    if gyro and GYRO.name in table.columns:
+        columns[GYRO.name] = _integrated(table.columns[GYRO.name], t)
     missing = np.full(len(at), np.nan)
     x, y, theta = (poses.columns.get(name, missing) for name in ("x", "y", "theta"))
     return Log(recording.name, t, columns, Poses(at, x, y, theta))
@@ -142,7 +146,11 @@ def _increments(table: Table, joint: str, turns: Mapping[str, float], t: Reals) 
         unit = 2 * np.pi / turns[joint]
         _refuse_jumps(table, names[1], unit)
         return np.diff(table.columns[names[1]] * unit)
-    rate = _column(table, names)
+    return _integrated(_column(table, names), t)
+
+
+def _integrated(rate: Reals, t: Reals) -> Reals:
+    """Return the increments of a rate, by trapezoids."""
     return (rate[1:] + rate[:-1]) / 2 * np.diff(t)
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from wmrgen.tools.calibration.errors import Drawn, Errors, drawn, errors
 from wmrgen.tools.calibration.estimator import Fit
+from wmrgen.tools.calibration.gyro import GyroEstimate
 from wmrgen.tools.calibration.joint_noise import JointNoise
 from wmrgen.tools.calibration.noise import Noise
 from wmrgen.tools.calibration.observability import Estimate
@@ -52,6 +53,7 @@ class Calibration:
     covariance: Reals  # (P, P) of the parameters, in SI units
     noise: Noise
     joint_noise: JointNoise | None  # None: odometry shows no random walk
+    gyro: GyroEstimate | None  # None: the robot has no gyro, or the logs have no readings of it
     slips: tuple[Slip, ...]
     turns: float  # in the rotation that is least certain; nan where no number was in doubt
     alternatives: tuple[Alternative, ...]

@@ -8,6 +8,7 @@ import pytest
 
 import wmrgen
 from tests.conftest import ROOT, Outcome, command_line
+from tests.packaging.textbook_robots import PICTURES
 from textbook.index.records import facts
 from textbook.index.table import ROWS
 from wmrgen.cli.gallery import gallery, robots_of_texts
@@ -48,10 +49,13 @@ def test_no_file_has_findings() -> None:
 
 @pytest.mark.parametrize("path", FILES, ids=NAMES)
 def test_degrees(path: Path) -> None:
-    """Degrees, ranks, DDOF and DOF of the layouts that our notes list; every robot derives and has a top view."""
+    """Degrees, ranks, DDOF and DOF of the layouts that our notes list; every robot derives and has its picture."""
     derivation = wmrgen.derive(wmrgen.load(path))
     m = derivation.mobility
-    assert "<svg" in derivation.figures["layout.svg"][1]
+    drawn = derivation.figures["layout.svg"][1].encode()
+    assert drawn == (PICTURES / f"{path.stem}.svg").read_bytes(), (
+        "run: python -m tests.packaging.textbook_robots"
+    )
     assert m.degree_of_maneuverability == m.degree_of_mobility + m.degree_of_steerability
     cases = {row.case for row in ROWS if row.robot == f"texts/{path.stem}" and row.case}
     for expected in (known for case in cases if "degrees" in (known := facts(case))):

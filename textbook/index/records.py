@@ -53,8 +53,9 @@ class Row:
         """The words of the command line after ``wmrgen``."""
         verb, *rest = self.command.split()
         robot = [self.robot_file or self.robot] if self.robot else []
-        given = (f"{name}={_typed(value)}" for name, value in self.given.items())
-        return [verb, *robot, *rest, *given]
+        # A formula takes inputs that are not given as 0.
+        given = {name: value for name, value in self.given.items() if value != 0 or self.robot != LIBRARY}
+        return [verb, *robot, *rest, *(f"{name}={_typed(value)}" for name, value in given.items())]
 
     @property
     def given(self) -> dict[str, Any]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Iterable
+from pathlib import Path
 
 from textbook.index.places import count, in_ranges, places_of
 from textbook.index.records import Row, shown
@@ -26,6 +28,7 @@ def run(query: str, as_json: bool) -> int:
         console.result(_as_text(row))
     for reason, places in _by_reason(found).items():
         console.result(f"Not covered: {places}: {reason}.\n")
+    _note_missing_files(found.rows)
     here, every = count()
     console.note(f"Commands cover {here} of {every} places of the five texts.")
     return 0
@@ -39,6 +42,19 @@ def command_line(row: Row) -> str:
 def numbers(row: Row) -> str:
     """Return the numbers of a row: ``x_rate = 0, y_rate = 3``."""
     return ", ".join(f"{name} = {shown(value)}" for name, value in row.expected.items())
+
+
+def _note_missing_files(rows: Iterable[Row]) -> None:
+    """Print how to copy the robot files that are not in the working directory."""
+    missing = [
+        file for file in dict.fromkeys(row.robot_file for row in rows) if file and not Path(file).is_file()
+    ]
+    if missing:
+        name = Path(missing[0]).stem
+        others = f" The other {len(missing) - 1} files are copied alike." if len(missing) > 1 else ""
+        console.note(
+            f"`wmrgen new {name} --from {name} -o {missing[0]}` copies the robot file to here.{others}"
+        )
 
 
 def _as_text(row: Row) -> str:

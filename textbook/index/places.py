@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from textbook.index.table import ROWS
 
-# The numbered lines of our copies: chapter (0 where numbers have none), first and last number.
+# The numbered lines of our copies: chapter (0 if numbers have no chapter), first and last number.
 _NUMBERED = {
     "Tzafestas": ((2, 1, 91),),
     "Konstantinov": ((0, 1, 6),),
@@ -23,10 +23,10 @@ _UNKNOWN = "our notes do not have this line"
 # Text -> places, and why no command reproduces them.
 _REASONS = {
     "Tzafestas": {
-        "(2.19)-(2.22)": "a definition: nothing to compute",
+        "(2.19)-(2.22)": "a definition, without numbers",
         "(2.23)": "an example of an integrable constraint, without a robot",
         "(2.44), Example 2.1": "checked in symbols, see the errata; no command of its own",
-        "2.3.4": "sets of speeds, {-1, 0, 1} and {0, 1}: nothing to compute",
+        "2.3.4": "sets of speeds, {-1, 0, 1} and {0, 1}; no command of its own",
     },
     "Konstantinov": {
         "v_i^2": "checked in symbols, see the errata; no command of its own",
@@ -34,12 +34,12 @@ _REASONS = {
         "mu_i": "checked in symbols, see the errata; no command of its own",
     },
     "Kelly": {
-        "(4.18)": "a definition: nothing to compute",
+        "(4.18)": "a definition, without numbers",
         "4.1.3.2": "the slides do not have the formula of the margin",
-        "Fresnel argument": "an argument in words: nothing to compute",
+        "Fresnel argument": "an argument in words, without numbers",
     },
     "Siegwart": {
-        "(3.1)": "a definition: nothing to compute",
+        "(3.1)": "a definition, without numbers",
         "(3.14)": "a special case of (3.13); checked in symbols, see the errata",
         "Problem 3.7.3(a)": "our notes have part (b) only",
     },

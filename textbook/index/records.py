@@ -1,6 +1,6 @@
 """A row of the table: a place in a text, the command that reproduces it, and the numbers that the command prints.
 
-The numbers of a row are those of a case of ``cases.json``, or stand in the row. Tests run every command and compare
+A row has its numbers itself, or names the case of ``cases.json`` that has them. Tests run every command and compare
 its numbers; the page and ``wmrgen textbook --find`` print the same rows.
 
 Inputs and outputs are written as ``port=word`` pairs. A word is a key of the case (``state.x1`` lies deeper,

@@ -30,7 +30,7 @@ def run(query: str, as_json: bool) -> int:
         console.result(f"Not covered: {places}: {reason}.\n")
     _note_missing_files(found.rows)
     here, every = count()
-    console.note(f"Commands cover {here} of {every} places of the five texts.")
+    console.result(f"Commands cover {here} of {every} places of the five texts.")
     return 0
 
 

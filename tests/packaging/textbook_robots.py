@@ -66,7 +66,7 @@ def _cell(row: Row) -> str:
     name = row.robot.removeprefix(f"{FOLDER}/")
     robot = wmrgen.load(robots_of_texts()[name])
     degrees = facts(row.case).get("degrees")
-    caption = f"<br>({', '.join(map(str, degrees))})" if degrees and row.command == "derive" else ""
+    caption = f"<br>({', '.join(map(str, degrees))})" if degrees and row.command.startswith("derive ") else ""
     place = f"{escape(row.places)}<br>" if row.places.startswith(TABLE) else ""
     alt = escape(f"Top view of {robot.name}")
     return f"![{alt}](figures/{FOLDER}/{name}.svg)<br>{place}{escape(robot.description)}{caption}<br>`{name}`"

@@ -21,7 +21,7 @@ def formula(places: str, says: str, function: str, inputs: str, outputs: str, ca
 
 def degrees(places: str, says: str, robot: str, case: str) -> Row:
     """Return a row for mobility, steerability and maneuverability of a robot; see `Row`."""
-    return row(places, says, robot, "derive", "", DEGREES, case)
+    return row(places, says, robot, "derive -o build", "", DEGREES, case)
 
 
 def in_table(number: int, wheels: int, says: str, robot: str, case: str) -> Row:

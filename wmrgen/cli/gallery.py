@@ -50,7 +50,8 @@ def list_robots(as_json: Json = False) -> int:
         degenerate = ", degenerate" if row["degenerate"] else ""
         console.result(f"{row['name']:<{width}}  {degrees}  {row['description']}{degenerate}")
     console.note(
-        "Degrees are (mobility, steerability). `wmrgen new MY_ROBOT --from NAME` starts from a robot."
+        "Degrees are (mobility, steerability). `wmrgen new MY_ROBOT --from NAME` starts from a robot. "
+        '`wmrgen textbook --find "Table 2.1"` leads to layouts of textbooks.'
     )
     return 0
 

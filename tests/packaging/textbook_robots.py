@@ -16,7 +16,7 @@ from wmrgen.report.sections.markdown import escape, page, table
 PAGE = ROOT / "docs" / "textbook_robots.md"
 PICTURES = ROOT / "docs" / "figures" / FOLDER
 TABLE = "Table 2.1"
-COLUMNS = 3  # pictures in a row, so that they can be told apart on a small screen
+COLUMNS = 2  # pictures in a row: two fit on the screen of a phone
 
 
 def content() -> str:

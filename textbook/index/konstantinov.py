@@ -33,6 +33,6 @@ ROWS: tuple[Row, ...] = (
         f"{SPINS} x,y,theta=state0 dt=t", "x,y,theta=state", "K-straight"),
     row("case Omega != 0", "constant speeds: the pose after 2.3 s", "eval motion",
         f"{SPINS} x,y,theta=state0 dt=t", "x,y,theta=state", "K-circle-a"),
-    row("circle of constant speeds", "constant speeds: centre and radius of the circle (R corrected)", "eval circle",
-        f"{SPINS} x,y,theta=state0", "x_centre,y_centre=center radius=R speed=v", "K-circle-a"),
+    row("circle of constant speeds, v^2", "constant speeds: centre, radius and speed (R and v^2 corrected)",
+        "eval circle", f"{SPINS} x,y,theta=state0", "x_centre,y_centre=center radius=R speed=v", "K-circle-a"),
 )  # fmt: skip

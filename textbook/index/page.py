@@ -53,7 +53,7 @@ def _section(text: str) -> Iterator[str]:
     yield BIBLIOGRAPHY[text].partition(" The second copy ")[0]
     yield f"Commands cover {here} of {every} places."
     rows = sorted((row for row in ROWS if row.text == text), key=_order)
-    yield from table(("in the text", "what", "command", "numbers to expect"), map(_cells, rows), "l")
+    yield from table(("in the text", "what", "command, and the numbers to expect"), map(_cells, rows), "l")
     missing = {place: reason for place, reason in not_covered().items() if place.text == text}
     for reason in dict.fromkeys(missing.values()):
         labels = in_ranges(place for place, why in missing.items() if why == reason)
@@ -64,8 +64,8 @@ def _order(row: Row) -> tuple[int, int, tuple[int, ...], str]:
     return order(next(places_of(row.text, row.places)))
 
 
-def _cells(row: Row) -> tuple[str, str, str, str]:
+def _cells(row: Row) -> tuple[str, str, str]:
     expected = numbers(row)
     if len(expected) > LONGEST:
         expected = expected[:LONGEST].rpartition(", ")[0] + ", …"
-    return escape(row.places), escape(row.says), code(command_line(row)), code(expected)
+    return escape(row.places), escape(row.says), f"{code(command_line(row))}<br>{code(expected)}"

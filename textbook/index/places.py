@@ -30,7 +30,6 @@ _REASONS = {
     },
     "Konstantinov": {
         "v_i^2": "checked in symbols, see the errata; no command of its own",
-        "v^2": "checked in symbols, see the errata; no command of its own",
         "mu_i": "checked in symbols, see the errata; no command of its own",
     },
     "Kelly": {

@@ -59,6 +59,7 @@ generate: setup
 	$(BIN)/python -m tests.packaging.python_page
 	$(BIN)/python -m tests.packaging.feature_page
 	$(BIN)/python -m tests.packaging.textbook_page
+	$(BIN)/python -m tests.packaging.textbook_robots
 
 # Build docs/, README and the reports as a site: build/docs/docs/index.html.
 docs: $(VENV)/.docs

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from textbook.emit import artifacts, errata
 from textbook.library import FUNCTIONS, Textbook, textbook
+from wmrgen.analysis.kinematics.records import Formula
 from wmrgen.cli import console
 from wmrgen.cli.textbook import ERRATA, FOLDER
 from wmrgen.derivation.artifacts import Difference, differences, file_difference, write_file, write_tree
@@ -22,6 +23,11 @@ def library(name: str) -> Textbook:
         every = "" if hint.startswith("Valid") else f" It has: {' '.join(FUNCTIONS)}."
         raise UsageError(f"the textbook library has no function {name!r}. {hint}{every}")
     return textbook(name)
+
+
+def formulas() -> tuple[Formula, ...]:
+    """Return the functions of the library in symbols, in the order of the report."""
+    return textbook().formulas
 
 
 def run(out: Path, as_json: bool = False, made_from: Mapping[str, str] | None = None) -> int:

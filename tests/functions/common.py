@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 ROOT = Path(__file__).resolve().parents[2]
 ROBOTS = sorted((ROOT / "robots").glob("*.yaml"))
 CASES: dict[str, dict[str, Any]] = {
-    c["id"]: c for c in json.loads((ROOT / "tests/seeds/cases.json").read_text(encoding="utf-8"))["cases"]
+    c["id"]: c for c in json.loads((ROOT / "textbook/cases.json").read_text(encoding="utf-8"))["cases"]
 }
 PAIR = """\
 wmrgen: 1

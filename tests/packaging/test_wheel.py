@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -43,7 +44,8 @@ def test_the_wheel_holds_the_packages_and_the_templates_and_nothing_else(wheel: 
     names = zipfile.ZipFile(wheel).namelist()
     tops = {name.split("/")[0] for name in names}
     assert tops - {"wmrgen", "textbook"} == {f"{wheel.name.split('-py3')[0]}.dist-info"}
-    modules = {p.relative_to(ROOT).as_posix() for p in (ROOT / "textbook").rglob("*.py")}
+    library = [p for kind in ("*.py", "*.json") for p in (ROOT / "textbook").rglob(kind)]
+    modules = {p.relative_to(ROOT).as_posix() for p in library}
     shipped_modules = {name for name in names if name.startswith("textbook/")}
     assert shipped_modules == {name for name in modules if not name.startswith("textbook/tests/")}
     licences = [name for name in names if ".dist-info/licenses/" in name]
@@ -54,7 +56,7 @@ def test_the_wheel_holds_the_packages_and_the_templates_and_nothing_else(wheel: 
     shipped = {n.removeprefix("wmrgen/templates/") for n in names if n.startswith("wmrgen/templates/")}
     templates = {p for p in (ROOT / "templates").rglob("*") if p.is_file() and p.parent.name != "__pycache__"}
     assert shipped == {p.relative_to(ROOT / "templates").as_posix() for p in templates}
-    robots = {p.name for p in (ROOT / "robots").iterdir()}
+    robots = {p.relative_to(ROOT / "robots").as_posix() for p in (ROOT / "robots").rglob("*.*")}
     assert {n.removeprefix("wmrgen/robots/") for n in names if n.startswith("wmrgen/robots/")} == robots
     assert "wmrgen/py.typed" in names
 
@@ -84,6 +86,19 @@ def test_the_textbook_library_is_there(installed: Path, tmp_path: Path) -> None:
     words = ("eval", "textbook", "polar_rates", "rho=1", "alpha=0.2", "beta=-0.1", "v=0.5")
     done = process(*words, cwd=tmp_path, python=(str(installed), "-E", "-m", "wmrgen"))
     assert done.code == 0 and done.out == process(*words, cwd=tmp_path).out, done.err
+
+
+def test_the_way_from_a_text_to_a_robot_is_there(installed: Path, tmp_path: Path) -> None:
+    """The robot file that a place names can be copied from the wheel, and the command then runs as printed."""
+    python = (str(installed), "-E", "-m", "wmrgen")
+    found = process("textbook", "--find", "2.75", "--json", cwd=tmp_path, python=python)
+    assert found.code == 0, found.err
+    (row,) = json.loads(found.out)["found"]
+    name = Path(row["robot"]).stem
+    made = process("new", name, "--from", name, "-o", row["robot"], cwd=tmp_path, python=python)
+    assert made.code == 0, made.err
+    done = process(*row["command"].split()[1:], "--json", cwd=tmp_path, python=python)
+    assert json.loads(done.out)["w1.spin"] == pytest.approx(row["expected"]["w1.spin"])
 
 
 def test_it_takes_the_files_of_a_checkout_as_fresh(installed: Path, tmp_path: Path) -> None:

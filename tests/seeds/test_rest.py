@@ -13,6 +13,7 @@ import pytest
 from tests.oracle.harness import Model, robot_text
 from tests.seeds import layouts
 from tests.seeds.test_seeds import CASES, RUN
+from textbook.index.table import ROWS as TABLE
 
 BY_ID = {c["id"]: c for c in CASES}
 HERE = Path(__file__).parents[1]
@@ -79,11 +80,12 @@ BY_START = {"S-3.6": "functions/control/test_polar.py", "S-F3.20": "functions/co
 
 
 def test_every_case_is_run_somewhere() -> None:
-    """Each id stands in a test module that runs it, or in the list that test_seeds runs."""
+    """Each id is in a test module that runs it, in the list of test_seeds, or in the table of places in the texts."""
     folders = (HERE, HERE.parent / "textbook" / "tests")
     modules = [p for f in folders for p in sorted(f.rglob("*.py")) if p.parent.name != "report"]
     text = "\n".join(p.read_text(encoding="utf-8") for p in modules)
     for start, module in BY_START.items():
         assert f'n.startswith("{start}")' in (HERE / module).read_text(encoding="utf-8")
     run = {c["id"] for c in CASES if c in RUN or c["id"].startswith(tuple(BY_START))}
+    run |= {row.case for row in TABLE}
     assert not [c["id"] for c in CASES if c["id"] not in run and f'"{c["id"]}"' not in text]

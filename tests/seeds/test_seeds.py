@@ -12,12 +12,12 @@ from typing import Any
 
 import pytest
 
+from tests.conftest import ROOT
 from tests.oracle.harness import Model, robot_text
 from tests.seeds import handlers, layouts
 
-CASES: list[dict[str, Any]] = json.loads((Path(__file__).parent / "cases.json").read_text(encoding="utf-8"))[
-    "cases"
-]
+FILE = ROOT / "textbook" / "cases.json"
+CASES: list[dict[str, Any]] = json.loads(FILE.read_text(encoding="utf-8"))["cases"]
 KINDS = ("deltas", "matrix", "ik", "fk")
 ELSEWHERE = {
     "functions/models/test_seeds.py": (

@@ -102,7 +102,9 @@ def test_functions(robot: str, what: str) -> None:
 
 
 def test_every_system_of_the_cases_is_there() -> None:
-    cases = json.loads((Path(__file__).parent / "cases.json").read_text(encoding="utf-8"))["cases"]
+    cases = json.loads((Path(__file__).parents[2] / "textbook" / "cases.json").read_text(encoding="utf-8"))[
+        "cases"
+    ]
     assert {c["system"] for c in cases} <= SYSTEMS.keys()
     assert all(asked(robot) for robot in ROBOTS)
 

@@ -1,19 +1,20 @@
 """Siegwart Table 2.1, figure 3.14 and the degenerate layouts: degrees, ranks, DOF and holonomy of every row.
 
-The texts describe the rows in words; tables.json gives each a concrete layout (angles in degrees).
+The texts describe the rows in words; layouts.json gives each a concrete layout (angles in degrees).
 """
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.conftest import ROOT
 from tests.robots import of_text
 
-ROWS: list[dict[str, Any]] = json.loads((Path(__file__).parent / "tables.json").read_text(encoding="utf-8"))
+FILE = ROOT / "textbook" / "layouts.json"
+ROWS: list[dict[str, Any]] = json.loads(FILE.read_text(encoding="utf-8"))
 
 
 def robot_file(row: dict[str, Any]) -> str:

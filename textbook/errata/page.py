@@ -5,6 +5,7 @@ from __future__ import annotations
 from textbook.errata.forms import Form
 from textbook.errata.records import Class, Finding, Record, judge
 from textbook.errata.texts import BIBLIOGRAPHY, ENTRIES, HOLDS
+from textbook.index.places import places_of
 from wmrgen.report.sections.markdown import code, items, math, table
 
 WIDEST = 700  # characters of LaTeX in a cell
@@ -30,18 +31,10 @@ _MARKS = {
 
 def blocks() -> list[str]:
     """The blocks of errata.md, from running every check. ValueError where a class is not borne out."""
-    return [
-        *_opening(),
-        *(
-            b
-            for k, (title, kinds, text) in enumerate(_PARTS, 1)
-            for b in _part(f"## {k} {title}", kinds, text)
-        ),
-        f"## {len(_PARTS) + 1} What holds",
-        "Each line of our copy is written in one notation; a rule for matrices is checked in an instance. It agrees "
-        "identically with the formula that the last column names.",
-        *table(("text", "equation", "as checked", "compared with"), map(_row, HOLDS), "l"),
-    ]
+    corrections: list[str] = []
+    for number, (title, kinds, text) in enumerate(_PARTS, 2):
+        corrections += _part(f"## {number} {title}", kinds, text)
+    return [*_opening(), *_what_holds(), *corrections]
 
 
 def _opening() -> list[str]:
@@ -52,8 +45,14 @@ def _opening() -> list[str]:
     return [
         "# Equations of five texts, checked, and corrections to our copies",
         f"{len(HOLDS)} equations and statements of five texts were checked in symbols, and hold: see "
-        f"[what holds](#{len(_PARTS) + 1}-what-holds). {len(ENTRIES)} lines of our copies are wrong or need care, and "
-        "are corrected here. `wmrgen textbook` computes every check whenever it writes this page.",
+        "[what holds](#1-what-holds). The table counts the numbered equations in them. After them, this page corrects "
+        f"or explains {len(ENTRIES)} lines of our copies that are wrong or need care. `wmrgen textbook` computes every "
+        "check whenever it writes this page.",
+        *table(
+            ("text", "checks that hold", "numbered equations in them", "lines corrected or explained"),
+            [*(_counts(text) for text in BIBLIOGRAPHY), _counts("")],
+            "lrrr",
+        ),
         "Our sources are text extractions of the works below. **We have not seen the printed pages** or the figures. "
         "A line that is wrong in a copy may be right in print. The copies are not part of this project. An entry "
         "shows one of two things. `Code` is a note that was made when the line was read. “Quotation marks” "
@@ -70,6 +69,25 @@ def _opening() -> list[str]:
             "lrrr",
         ),
         *items(f"**{name}**: {entry}" for name, entry in BIBLIOGRAPHY.items()),
+    ]
+
+
+def _counts(text: str) -> tuple[str, str, str, str]:
+    """Return a row of the first table for a text, or for all of them together."""
+    hold = [r for r in HOLDS if text in ("", r.text)]
+    corrected = [r for r in ENTRIES if text in ("", r.text)]
+    equations = {place for r in hold for place in places_of(r.text, r.equation.replace("–", "-"))}
+    numbered = sum(place.kind == "equation" for place in equations)
+    return text or "all", str(len(hold)), str(numbered), str(len(corrected))
+
+
+def _what_holds() -> list[str]:
+    """Return the table of what holds."""
+    return [
+        "## 1 What holds",
+        "Each line of our copy is written in one notation; a rule for matrices is checked in an instance. It agrees "
+        "identically with the formula that the last column names.",
+        *table(("text", "equation", "as checked", "compared with"), map(_row, HOLDS), "l"),
     ]
 
 

@@ -18,7 +18,7 @@ from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.ir.kernels.choice import Choice
 
 BACKEND_NAMES = ("exact", "casadi", "numpy", "c")
-FILE = ROOT / "tests" / "seeds" / "cases.json"
+FILE = ROOT / "textbook" / "cases.json"
 CASES: dict[str, dict[str, Any]] = {c["id"]: c for c in json.loads(FILE.read_text(encoding="utf-8"))["cases"]}
 
 
@@ -71,15 +71,6 @@ def matrix(found: Mapping[str, float], name: str) -> list[list[float]]:
     entries = {key[len(name) :]: value for key, value in found.items() if re.fullmatch(rf"{name}\d\d", key)}
     rows, columns = (sorted({key[k] for key in entries}) for k in (0, 1))
     return [[entries[i + j] for j in columns] for i in rows]
-
-
-def output(found: Mapping[str, float], name: str) -> Any:
-    """A scalar, several of them by commas, a vector or a matrix: what the name is of."""
-    if "," in name:
-        return [found[part] for part in name.split(",")]
-    if name in found:
-        return found[name]
-    return vector(found, name) if f"{name}.x" in found else matrix(found, name)
 
 
 def integrate(rate: Callable[[np.ndarray], np.ndarray], state: Any, t: float, steps: int) -> np.ndarray:

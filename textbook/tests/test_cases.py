@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
 from typing import Any
@@ -12,7 +11,9 @@ import pytest
 
 from textbook import INPUT_SETS, textbook
 from textbook.errata import engine
-from textbook.tests.common import BACKEND_NAMES, CASES, call, integrate, matrix, output
+from textbook.index.records import LIBRARY, Row
+from textbook.index.table import ROWS as TABLE
+from textbook.tests.common import BACKEND_NAMES, CASES, call, integrate, matrix
 
 Pairs = list[tuple[Any, Any]]
 Check = Callable[[str, dict[str, Any], dict[str, Any]], Pairs]
@@ -27,97 +28,25 @@ def case(*names: str) -> Callable[[Check], Check]:
     return keep
 
 
-# Cases that are one call each, or two: function; inputs, `port=what is given`; outputs, `port=what is expected`.
-# Several ports with commas take a list; `angle=a°` is given in degrees; a number or a list stands for itself; `wheel`
-# is the first of the layout.
-ROWS = {
-    "T-2.8a": (("inverse_3x2", "j=J", "p=value"),),
-    "T-2.8b": (("inverse_2x4", "j=J", "p=value"),),
-    "T-2.15b": (("rotation_y", "angle=phi", "m=value"),),
-    "T-2.17": (("rotate", "angle=phi x,y=p_local", "x,y=p_world"),),
-    "T-2.57b": (("pursuit", "wheelbase=D distance=L epsilon=epsilon",
-                 "psi=psi curvature=curvature offset=d gain=gain"),),
-    "T-2.59": (("brockett", "x1,x2,x3=state u1,u2=u", "x1_rate,x2_rate,x3_rate=rate"),),
-    "T-2.60": (("brockett_double", "x1=state.x1 x2=state.x2 x1_rate=state.x1d x2_rate=state.x2d u1,u2=u",
-                "x1_rate_rate,x2_rate_rate=accel x3_rate=x3_rate"),),
-    **dict.fromkeys(("T-VAF3", "T-VAF4"), (("omni_wheel", "v=1 beta=beta_deg° gamma=gamma_deg°", "vaf=VAF"),)),
-    "T-2.71": (("omni_wheel", "v=v_h beta=beta gamma=gamma", "drive=v_i roller=v_roller_abs"),),
-    **dict.fromkeys(("T-2.88-45-8", "T-2.88-90-6", "T-2.88-60-10"),
-                    (("mecanum_roller", "radius=R count=n angle=alpha_deg°", "length=D_r width=d half_chord=b"),)),
-    "KE-transport": (("transport_theorem", "u_rate=du_dt_m omega=omega u=u", "rate=du_dt_f"),),
-    "KE-vel": (("moving_frame_velocity", "v_m=v_m omega=omega r=r v_o=v_o_m", "v=v_o_f"),),
-    "KE-acc": (("moving_frame_acceleration", "a_m=a_m alpha=alpha omega=omega r=r v_o=v_o_m a_o=a_o_m",
-                "a=a_o_f euler=euler centripetal=centripetal coriolis=coriolis"),),
-    "KE-4.25": (("h_matrix", "r=r", "h=H"), ("omega_matrix", "omega=omega", "o=Omega")),
-    "KE-4.30": (("articulated_wheel_velocity",
-                 "r_vehicle=r_c_v r_steer=r_c_s v_vehicle=v_v omega_vehicle=omega_v v_steer=v_s_v "
-                 "omega_steer=omega_s v_o=v_c_s", "v=v_c"),
-                ("two_step_velocity",
-                 "r_1=r_c_v r_2=r_c_s v_1=v_v omega_1=omega_v v_2=v_s_v omega_2=omega_s v_o=v_c_s", "v=v_c"),),
-    "KE-4.31": (("articulated_wheel_acceleration",
-                 "r_vehicle=r_c_v r_steer=r_c_s a_vehicle=a_v alpha_vehicle=alpha_v omega_vehicle=omega_v "
-                 "v_steer=[0,0,0.05] a_steer=a_s_v alpha_steer=alpha_s omega_steer=omega_s v_o=v_c_s a_o=a_c_s",
-                 "a=a_c v_seen=v_c_v"),),
-    "KE-3d": (("wheel_velocity", "v=v_v omega=omega_v r=r_c", "v=v_c"),),
-    "KE-specific-force": (("specific_force", "t=t_sensor alpha=alpha omega=omega r=r_cg v=v_cg a=a_cg", "t=t_cg"),),
-    "KE-sense": (("steer_sense", "r=r spin=omega_wheel steer=gamma", "v=v vx,vy=v_xy"),),
-    "S-3.2": (("rotation_world_to_robot", "theta=theta", "m=R"), ("rotation_robot_to_world", "theta=theta", "m=R_inv")),
-    "S-3.5": (("world_to_robot", "theta=theta x_rate,y_rate,theta_rate=rate_world", "vx,vy,omega=rate_robot"),),
-    "S-3.7": (("wheel_contributions", "r=r l=l right.spin=phidot1 left.spin=phidot2",
-               "right.omega=omega1 left.omega=omega2"),),
-    "S-3.20": (("swedish_wheel", "vx,vy,omega=twist_body l=wheel.l alpha=wheel.alpha beta=wheel.beta gamma=wheel.gamma "
-                "r=wheel.r r_sw=wheel.r_sw", "spin=phi_dot roller=phi_sw_dot"),),
-    "S-3.53": (("polar_rates", "rho,alpha,beta=state v=input.v omega=input.omega",
-                "rho_rate,alpha_rate,beta_rate=rate"),),
-    "S-3.55": (("polar_rates_reverse", "rho,alpha,beta=state v=input.v_reversed omega=input.omega",
-                "rho_rate,alpha_rate,beta_rate=rate"),),
-    "S-castor-align": (("castor_alignment", "alpha=alpha d=d r=wheel.r vx,vy=V",
-                        "beta_stable=equilibria_beta.stable beta_unstable=equilibria_beta.unstable "
-                        "rate=linear_rate_stable spin=phi_dot_at_stable"),),
-    "S-3.58": (("polar_closed_loop", "rho,alpha,beta=state k_rho,k_alpha,k_beta=k",
-                "rho_rate,alpha_rate,beta_rate=rate"),),
-    "A-reduction": (("car_reduction", "u1=u1 xi=xi wheelbase=1", "v=v omega=omega"),),
-}  # fmt: skip
-
-
-def value(word: str, facts: dict[str, Any]) -> Any:
-    """What a word of ROWS stands for: ``state.x1`` lies deeper, ``a°`` is an angle in degrees."""
-    if word[0] in "[0123456789":
-        return json.loads(word)
-    if word.endswith("°"):
-        return math.radians(facts[word[:-1]])
-    for key in word.split("."):
-        facts = facts[key]
-    return facts
+# Cases that are one call of the library each, or two: the rows of the table of places.
+ROWS: dict[str, list[Row]] = {}
+for _row in TABLE:
+    if _row.robot == LIBRARY and _row.case:
+        ROWS.setdefault(_row.case, []).append(_row)
 
 
 def row(name: str) -> Check:
     def check(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
         pairs: Pairs = []
-        wheels = (CASES[name].get("layout") or {}).get("wheels", [{}])
-        for function, inputs, outputs in ROWS[name]:
-            arguments: dict[str, Any] = {}
-            for ports, word in (pair.split("=") for pair in inputs.split()):
-                what = value(word, {**g, "wheel": wheels[0]})
-                several = "," in ports
-                arguments |= zip(ports.split(","), what, strict=True) if several else {ports: what}
-            found = call(b, function, **arguments)
-            for ports, word in (pair.split("=") for pair in outputs.split()):
-                pairs.append((output(found, ports), value(word, {**g, **e})))
+        for r in ROWS[name]:
+            found = call(b, r.command.split()[1], **{k.replace(".", "__"): v for k, v in r.given.items()})
+            pairs += [(found[port], value) for port, value in r.expected.items()]
         return pairs
 
     return check
 
 
 CHECKS |= {name: row(name) for name in ROWS}
-
-
-@case("S-3.5")
-def back_to_the_world(b: str, g: dict[str, Any], e: dict[str, Any]) -> Pairs:
-    there = row("S-3.5")(b, g, e)
-    vx, vy, omega = there[0][0]
-    back = call(b, "robot_to_world", theta=g["theta"], vx=vx, vy=vy, omega=omega)
-    return [*there, (list(back.values()), g["rate_world"])]
 
 
 @case("T-2.25", "A-disk", "KE-pfaffian")

@@ -25,7 +25,7 @@ from wmrgen.cli.declare import (
     words,
 )
 from wmrgen.cli.loading import print_notes, warn_of_gains
-from wmrgen.cli.textbook import installed
+from wmrgen.cli.textbook import installed, is_library
 from wmrgen.cli.values import Case, from_file, from_words, note_zeros
 from wmrgen.codegen.registry import EXACT_WORD, Entry, known_words, of_word
 from wmrgen.errors import UsageError
@@ -219,7 +219,7 @@ def _refuse_divisors(function: Function, cases: Sequence[Case]) -> None:
 
 def _modules(path: Path, name: str) -> Modules:
     """Return the function ``name`` of a robot file; of the textbook library if ``path`` is the word textbook."""
-    if path == Path("textbook") and not path.is_file():
+    if is_library(path):
         return cast(Modules, installed().library(name))
     from wmrgen.functions.registry import has_function, names
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Robot, verb
 from wmrgen.cli.loading import derived
+from wmrgen.cli.textbook import LIBRARY, installed, is_library
 from wmrgen.errors import NotDerivableError
 
 if TYPE_CHECKING:
@@ -19,7 +20,10 @@ def functions(robot: Robot, as_json: Json = False) -> int:
 
     List the functions that a robot has, each with a sentence, and why it does not have the others. Functions marked *
     are generated; a robot file requests more under `functions`. `wmrgen eval` computes all of them.
+    With the word textbook instead of a robot, list the formulas of the texts that need no robot.
     """
+    if is_library(robot):
+        return _print_library(as_json)
     from wmrgen.functions.registry import names, standard
 
     with derived(robot) as derivation:
@@ -47,6 +51,18 @@ def functions(robot: Robot, as_json: Json = False) -> int:
     for name, why in absent.items():
         reason = why.splitlines()[0].split(": ", 1)[-1]
         console.result(f"  {name:<{width}}  {reason}")
+    return 0
+
+
+def _print_library(as_json: bool) -> int:
+    """Print the functions of the textbook library. Return the exit code."""
+    formulas = installed().formulas()
+    if as_json:
+        console.data({"robot": LIBRARY, "functions": [_as_data(f, True) for f in formulas], "absent": []})
+        return 0
+    width = max(len(f.name) for f in formulas)
+    for f in formulas:
+        console.result(f"{f.name:<{width}}  {f.text}")
     return 0
 
 

@@ -14,12 +14,23 @@ from wmrgen.derivation.manifest import PAGES, sha256
 from wmrgen.errors import UsageError
 from wmrgen.robotfile.shipped import shipped
 
+TEXTS = "texts"  # the folder of the second gallery, beside the robot files
 TABLE = "gallery.json"  # beside the robot files; `make generate` writes it
 
 
 def gallery() -> dict[str, Path]:
     """Return the robot files that come with wmrgen, by name of the robot."""
     return {path.stem: path for path in sorted(shipped("robots").glob("*.yaml"))}
+
+
+def robots_of_texts() -> dict[str, Path]:
+    """Return the layouts of the textbooks, by name of the robot: the second gallery."""
+    return {path.stem: path for path in sorted((shipped("robots") / TEXTS).glob("*.yaml"))}
+
+
+def shipped_robots() -> dict[str, Path]:
+    """Return the robot files of both galleries, by name of the robot."""
+    return gallery() | robots_of_texts()
 
 
 @verb("list")
@@ -39,7 +50,8 @@ def list_robots(as_json: Json = False) -> int:
         degenerate = ", degenerate" if row["degenerate"] else ""
         console.result(f"{row['name']:<{width}}  {degrees}  {row['description']}{degenerate}")
     console.note(
-        "Degrees are (mobility, steerability). `wmrgen new MY_ROBOT --from NAME` starts from a robot."
+        "Degrees are (mobility, steerability). `wmrgen new MY_ROBOT --from NAME` starts from a robot. "
+        '`wmrgen textbook --find "Table 2.1"` leads to layouts of textbooks.'
     )
     return 0
 

@@ -37,9 +37,9 @@ _UNITS = "Lengths are in metres, angles in radians. A number may have a unit: 15
 
 
 def _gallery(incomplete: str) -> list[str]:
-    from wmrgen.cli.gallery import gallery
+    from wmrgen.cli.gallery import shipped_robots
 
-    return [name for name in gallery() if name.startswith(incomplete)]
+    return [name for name in shipped_robots() if name.startswith(incomplete)]
 
 
 def _drives(incomplete: str) -> list[str]:
@@ -165,11 +165,11 @@ def _copy(
         description: The description of the robot.
         path: The file, for messages.
     """
-    from wmrgen.cli.gallery import gallery
+    from wmrgen.cli.gallery import shipped_robots
     from wmrgen.robotfile.load import read_text, text_of
     from wmrgen.robotfile.typesetting import formatted
 
-    origin = text_of(gallery()[_gallery_name(start)])
+    origin = text_of(shipped_robots()[_gallery_name(start)])
     spec = read_text(origin, f"{start}.yaml")
     words = _given_words(values or (), [p.name for p in spec.parameters], start)
     for number, word in words.items():
@@ -206,10 +206,12 @@ def _as_yaml(word: str) -> str:
 
 def _gallery_name(name: str) -> str:
     """Return ``name`` if the gallery has such a robot; raise UsageError otherwise."""
-    from wmrgen.cli.gallery import gallery
+    from wmrgen.cli.gallery import shipped_robots
 
-    if name not in gallery():
-        raise UsageError(f"the gallery has no robot {quoted(name)}. {suggestion(name, list(gallery()))}")
+    if name not in shipped_robots():
+        raise UsageError(
+            f"the gallery has no robot {quoted(name)}. {suggestion(name, list(shipped_robots()))}"
+        )
     return name
 
 

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Protocol, cast
+from types import ModuleType
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, cast
 
-from wmrgen.cli.declare import Json, Out, verb
+from wmrgen.cli.declare import Json, Out, option, verb
 from wmrgen.derivation import freshness
 from wmrgen.derivation.artifacts import Difference
 from wmrgen.derivation.manifest import sha256, unlisted
 from wmrgen.errors import EnvironmentFailure
 
+if TYPE_CHECKING:
+    from wmrgen.analysis.kinematics.records import Formula
+
 FOLDER, ERRATA = "textbook", "errata.md"  # in the output directory
+LIBRARY = "textbook"  # the word that verbs take instead of a robot file
 _SOURCE = Path(__file__).resolve().parents[2] / "textbook"  # the modules of the library
 
 
@@ -22,6 +27,9 @@ class Library(Protocol):
 
     def library(self, name: str) -> Any:
         """Return one function with the modules that a Derivation has. Raise UsageError for an unknown name."""
+
+    def formulas(self) -> Sequence[Formula]:
+        """Return the functions in symbols, in the order of the report."""
 
     def run(self, out: Path, as_json: bool, made_from: Mapping[str, str]) -> int:
         """Write the library and the errata, and print what changed.
@@ -39,25 +47,56 @@ class Library(Protocol):
         """Return the files under ``out`` that `run` would change."""
 
 
+def is_library(path: Path) -> bool:
+    """Return whether a word of the command line means the textbook library, and no file of that name."""
+    return path == Path(LIBRARY) and not path.is_file()
+
+
 def installed() -> Library:
     """Return the textbook library. Raise EnvironmentFailure if it is not installed."""
+    return cast(Library, _part_of_library("textbook.command"))
+
+
+def _part_of_library(module: str) -> ModuleType:
+    """Return a module of the textbook library. Raise EnvironmentFailure if it is not installed."""
     try:
-        return cast(Library, import_module("textbook.command"))
+        return import_module(module)
     except ModuleNotFoundError as error:
-        if error.name not in ("textbook", "textbook.command"):
+        if not (error.name or "").startswith("textbook"):
             raise
         raise EnvironmentFailure(
             f"the textbook library is missing: {_SOURCE} does not exist or is incomplete. Install wmrgen again."
         ) from error
 
 
+class Index(Protocol):
+    """The function of the module ``textbook.index.command``."""
+
+    def run(self, query: str, as_json: bool) -> int:
+        """Print the commands for a place in a text. Return the exit code; raise UsageError for no match."""
+
+
 @verb("textbook")
-def textbook(out: Out = Path("generated"), as_json: Json = False) -> int:
-    """Example:  wmrgen textbook -o generated
+def textbook(
+    out: Out = Path("generated"),
+    find: Annotated[
+        str | None,
+        option(
+            "Write nothing; print robot file, command and the numbers to expect for a place in a text: an equation, "
+            "figure, table or exercise.",
+            "PLACE",
+        ),
+    ] = None,
+    as_json: Json = False,
+) -> int:
+    """Example:  wmrgen textbook --find "Siegwart 3.19"
 
     Write DIR/textbook/ (formulas that need no robot: report, C, CasADi, NumPy) and DIR/errata.md (corrections to our
-    copies of the texts, each with the check that proves it). `wmrgen eval textbook FUNCTION` computes a formula.
+    copies of the texts, each with the check that proves it). `wmrgen eval textbook FUNCTION` computes a formula, and
+    `wmrgen functions textbook` lists them.
     """
+    if find is not None:
+        return cast(Index, _part_of_library("textbook.index.command")).run(find, as_json)
     made_from = freshness.inputs(folders=[_SOURCE]) if freshness.can_compare() else {}
     return installed().run(out, as_json, made_from)
 

@@ -289,7 +289,8 @@ def bytes_of(path: str | Path, limit: int) -> bytes:
     except FileNotFoundError:
         what, instead = "no such file", "Give the path of a file."
         name = Path(path).stem
-        if (shipped("robots") / Path(path).name).is_file():
+        robots = shipped("robots")
+        if any((folder / Path(path).name).is_file() for folder in (robots, robots / "texts")):
             instead = f"`wmrgen new {name} --from {name} -o {printable(str(path))}` copies the robot of the gallery."
     except IsADirectoryError:
         what, instead = "is a directory", "Give the path of a file in it."

@@ -25,7 +25,9 @@ from tests.seeds import layouts
 from wmrgen.derivation.facade import Derivation
 
 Array = NDArray[np.float64]
-CASES = json.loads((Path(__file__).parents[2] / "seeds" / "cases.json").read_text(encoding="utf-8"))["cases"]
+CASES = json.loads((Path(__file__).parents[3] / "textbook" / "cases.json").read_text(encoding="utf-8"))[
+    "cases"
+]
 SYSTEMS = (
     "T-UNI T-DD T-DDB T-SLIP T-TRI T-CAR T-CAR-RWD T-CAR-FWD T-CAR-ZETA T-TRAILER A-UNI A-TRI A-DISK"
 ).split()

@@ -22,7 +22,7 @@ from tests.seeds import layouts
 
 CASES: dict[str, Any] = {
     c["id"]: c
-    for c in json.loads((Path(__file__).parents[2] / "seeds" / "cases.json").read_text(encoding="utf-8"))[
+    for c in json.loads((Path(__file__).parents[3] / "textbook" / "cases.json").read_text(encoding="utf-8"))[
         "cases"
     ]
 }

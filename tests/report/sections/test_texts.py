@@ -20,7 +20,7 @@ from wmrgen.report.sections.mobility import integrability
 from wmrgen.report.sections.texts import citations
 
 TEXTS = ("Tzafestas", "Konstantinov", "Kelly", "Siegwart", "AA274", "ours")
-SEEDS = Path(__file__).parents[2] / "seeds" / "cases.json"
+SEEDS = Path(__file__).parents[3] / "textbook" / "cases.json"
 CASES = {c["id"]: c for c in json.loads(SEEDS.read_text(encoding="utf-8"))["cases"]}
 CITED = {
     "S-3.33": "Siegwart (3.32)-(3.34)",

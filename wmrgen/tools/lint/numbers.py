@@ -73,8 +73,8 @@ def _limits(subject: Subject) -> Iterator[tuple[str, Limit]]:
 @rule(
     "WMR002",
     "implausible limit or lag",
-    """No robot has a steering limit of more than a turn, a body or a steering joint that turns ten times a second, a
-    speed or rim speed above 100 m/s, or a lag above 10 s. Values without a unit are in radians, metres and
+    """No robot has a steering limit of more than a turn, a speed or rim speed above 100 m/s, or a lag above 10 s. No
+    body and no steering joint turns ten times a second. Values without a unit are in radians, metres and
     seconds; degrees, turns per minute, millimetres or milliseconds were likely meant. A joint with a limit of 0
     does not move, and a speed whose acceleration has a limit of 0 never changes.""",
     """
@@ -172,8 +172,8 @@ def _lengths(subject: Subject) -> Iterator[tuple[str, Quantity]]:
     "WMR004",
     "sizes a hundred times apart",
     """If radii of the wheels and the distance between them differ by more than a factor of 100, they were likely
-    written in different units. The same holds for a contact offset or a roller radius that is larger than the
-    robot or a hundred times smaller than its wheels, and for a trailer that is that small.""",
+    written in different units. The rule also reports a contact offset or a roller radius that is
+    larger than the robot, or a hundred times smaller than its wheels, and a trailer of that size.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}

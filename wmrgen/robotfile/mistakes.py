@@ -33,8 +33,8 @@ MISTAKES = {
     for mistake in (
         Mistake(
             Code.NOT_YAML, "invalid YAML",
-            "A robot file is a page of YAML in UTF-8, indented by spaces. It has lines `key: value`, and lists with "
-            "lines that begin with `- `, or { } and [ ] on one line. Anchors, aliases, tags and invisible characters are "
+            "A robot file is a page of YAML in UTF-8, indented by spaces. It has lines `key: value`. Lists have lines "
+            "that begin with `- `, or { } and [ ] on one line. Anchors, aliases, tags and invisible characters are "
             "refused. Reading stops at the first such mistake.",
             _WHEELS.replace("}", ""), _WHEELS,
         ),
@@ -67,8 +67,8 @@ MISTAKES = {
         ),
         Mistake(
             Code.TWICE, "conflicting keys",
-            "Two keys or names exclude each other. For example, a key or a name occurs twice, a wheel has l, alpha as "
-            "well as x, y, or a key does not fit the type of the wheel. Names that differ only in case are equal, because "
+            "Two keys or names exclude each other. For example, a key or a name occurs twice, a wheel has l, alpha "
+            "and x, y, or a key does not fit the type of the wheel. Names that differ only in case are equal, because "
             "macros are in upper case and many file systems ignore case.",
             _WHEELS.replace("heading: 0", "heading: 0, beta: 0"), _WHEELS,
         ),

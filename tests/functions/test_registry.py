@@ -13,11 +13,12 @@ import sympy
 
 import wmrgen
 from tests.conftest import ROOT
+from tests.functions.refusals import refused
 from wmrgen.analysis.kinematics.pose import SINC
 from wmrgen.analysis.kinematics.records import Formula, Locals
 from wmrgen.errors import Code, NotDerivableError, RobotFileError
 from wmrgen.functions import registry
-from wmrgen.functions.registry import Kind, declaration, has_function, names, optional_names
+from wmrgen.functions.registry import Kind, Reason, declaration, has_function, names, optional_names
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.ports import TWIST, Limits, Port, Role, output
 from wmrgen.geometry.symbolic import Expr, local, parameter, signal
@@ -298,3 +299,9 @@ def test_functions_read_the_sections_that_change_them(tmp_path: Path) -> None:
             after = formulas(tmp_path / "robot.yaml", f"{text}{line}\n")
             changed |= {name for name in names() if before[name] != after[name]}
         assert changed == {name for name in names() if section in declaration(name).reads}
+
+
+def test_a_robot_without_rollers_has_no_contacts(tmp_path: Path) -> None:
+    (tmp_path / "robot.yaml").write_text(PAIR, encoding="utf-8")
+    with refused(Reason.NO_ROLLERS, "r_sw", "r"):
+        wmrgen.derive(wmrgen.load(tmp_path / "robot.yaml")).formula("contacts")

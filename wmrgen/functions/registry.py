@@ -143,6 +143,7 @@ class Reason(StrEnum):
     NO_POLYGON = "no support polygon"
     TOO_LONG = "too long"  # the formulas would be too long
     NO_TRAILERS = "no trailers"
+    NO_ROLLERS = "no rollers"  # no roller and no sphere has a radius
     HITCH = "hitch off the axle"  # a trailer is not coupled on the axle
     ROBOT_TYPE = "robot type"  # the function is for other types (Campion)
     FLAT_OUTPUTS = "flat outputs without formulas"  # flat outputs are known, but no formulas

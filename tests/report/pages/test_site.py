@@ -103,7 +103,7 @@ def target(path: Path, link: str) -> Path:
 
 
 def test_the_sidebar_is_short_and_in_four_parts(pages: list[Path]) -> None:
-    """Tutorials, how-to, reference, explanation; reports are reached from the gallery, and further pages from texts."""
+    """Tutorials, how-to, reference, explanation. Texts link to the other pages; the gallery links to reports."""
     index = SITE / "docs" / "index.html"
     listed = {target(index, link) for link in read(index).sidebar}
     assert 25 <= len(read(index).sidebar) == len(listed) <= 40
@@ -114,12 +114,18 @@ def test_the_sidebar_is_short_and_in_four_parts(pages: list[Path]) -> None:
         "reference",
         "explanation",
     ]
-    reached, new = set(listed), set(listed)
+    reached, new = {index}, {index, *listed}
     while new:
         linked = {target(page, link) for page in new for link in read(page).text}
         new = (linked & set(pages)) - reached
         reached |= new
-    assert not set(pages) - reached - {index, SITE / "genindex.html", SITE / "search.html"}
+    assert not set(pages) - reached - listed - {SITE / "genindex.html", SITE / "search.html"}
+
+
+def test_the_first_page_links_to_robots_to_drive(pages: list[Path]) -> None:
+    index = SITE / "docs" / "index.html"
+    live = {path for link in read(index).text if "live/" in link and (path := target(index, link)).is_file()}
+    assert len(live) >= 6 and all('id="live"' in path.read_text(encoding="utf-8") for path in live)
 
 
 def test_the_gallery_links_to_pages(pages: list[Path]) -> None:
@@ -138,7 +144,7 @@ window.onload = () => {
     const edge = page.documentElement.clientWidth;
     const scrolls = (e) => e && e !== page.body
       && (getComputedStyle(e).overflowX !== "visible" || scrolls(e.parentElement));
-    for (const e of page.querySelectorAll("article *")) {
+    for (const e of page.querySelectorAll("article *, main *, #live *")) {
       const box = e.getBoundingClientRect();
       if (box.width && box.right > edge + 1 && !scrolls(e.parentElement)) out.push(e.outerHTML.slice(0, 120));
     }

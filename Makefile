@@ -61,9 +61,11 @@ generate: setup
 	$(BIN)/python -m tests.packaging.textbook_page
 	$(BIN)/python -m tests.packaging.textbook_robots
 
-# Build docs/, README and the reports as a site: build/docs/docs/index.html.
+# Build docs/, README and the reports as a site: build/docs/docs/index.html. Its first page links to robots to drive.
+LIVE := pioneer3dx kuka_youbot ackermann_car wpilib_swervebot lekiwi car_with_trailers
 docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -q -n -W --keep-going -j auto -b html -c docs . build/docs
+	$(BIN)/wmrgen derive $(LIVE:%=robots/%.yaml) -o build/docs/live --html >build/docs/live.log
 
 $(VENV)/.docs: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev,docs]'

@@ -112,7 +112,7 @@ def table() -> Iterator[str]:
     measured = [measure(modules, processor) for processor in there]
     versions = ", ".join(dict.fromkeys(processor.version for processor in there))
     yield f"Bytes of code / of stack, `{gcc.FLAGS[0]}`, {DEFAULT.math}: {versions}."
-    yield "A function with the functions of its file that it calls: without an FPU, the arithmetic in integers."
+    yield "The functions of the same file that it calls are included, such as integer arithmetic without an FPU."
     yield ""
     yield from rows(there, measured)
 

@@ -155,8 +155,8 @@ def tables() -> Iterator[str]:
 def _m4f() -> Iterator[str]:
     compiler = gcc.PROCESSORS["m4f"].version
     yield f"Instructions per call on an emulated Cortex-M4F, {compiler} `{' '.join(gcc.FLAGS[:3])}`, newlib."
-    yield f"Mean of {RUNS} random inputs; in brackets the least and most of these and special ones; = for every input."
-    yield "Hand: `benchmarks/reference`, with fused multiply-add; simpler: steering without nearest branch or limits."
+    yield f"Mean of {RUNS} random inputs. Brackets: least and most, special inputs included. =: equal for every input."
+    yield "Hand: `benchmarks/reference`, with fused multiply-add. Simpler: steering without nearest branch or limits."
     yield ""
     heads = [f"{who}, {math}" for math in MATHS for who in ("hand", "wmrgen")]
     yield from _heading("layout", "function", *heads, *(_TITLES[name] for name in GENERATORS))

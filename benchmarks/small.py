@@ -21,11 +21,11 @@ def table() -> Iterator[str]:
         return
     modules = [derivations()[name].c_module for name in dict.fromkeys(job.robot for job in JOBS)]
     usual, small = ([measure(modules, processor, small=way) for processor in there] for way in (False, True))
-    yield "The same with `-DWMRGEN_SMALL`; a function with what it calls, which all functions of a robot share."
+    yield "The same with `-DWMRGEN_SMALL`. Called functions are included, which all functions of a robot share."
     yield ""
     yield from rows(there, small)
     yield ""
-    yield "Bytes of code of all functions of a robot together, as usual → with `-DWMRGEN_SMALL`."
+    yield "Bytes of code of all functions of a robot together, without → with `-DWMRGEN_SMALL`."
     yield ""
     yield from heading("layout", "robot", there)
     for layout, robot in dict.fromkeys((job.layout, job.robot) for job in JOBS):

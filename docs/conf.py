@@ -49,10 +49,20 @@ html_title = f"wmrgen {release}"
 html_show_copyright = False
 html_copy_source = False
 # Formulas by the KaTeX that reports have too, in the place of MathJax, which Sphinx would fetch.
-html_static_path = ["../templates/html/katex", "formulas.js"]
-html_css_files = ["katex.min.css"]
+html_static_path = ["../templates/html/katex", "formulas.js", "site.css"]
+html_css_files = ["katex.min.css", "site.css"]
 mathjax_path = "katex.min.js"
 html_js_files = [("formulas.js", {"defer": "defer", "priority": 900})]
+
+# Pages that the sidebar does not list: the gallery links to the reports, other pages to the rest.
+UNLISTED = re.compile(r"generated/.+/.+|tests/.+|docs/(benchmarks_laboratory|misra)|examples/README")
+
+
+def unlisted(app: Any, document: Any) -> None:
+    """Mark pages that no table of contents lists, so that Sphinx does not warn about them."""
+    name = app.env.docname
+    if UNLISTED.fullmatch(name):
+        app.env.metadata[name]["orphan"] = True
 
 
 def folders(app: Any, document: Any) -> None:
@@ -70,3 +80,4 @@ def inline_math(app: Any, name: str, source: list[str]) -> None:
 def setup(app: Any) -> None:
     app.connect("source-read", inline_math)
     app.connect("doctree-read", folders)
+    app.connect("doctree-read", unlisted)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import py_compile
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.conftest import ROOT, Outcome, tree
+from tests.conftest import DIFFERENTIAL, ROOT, Outcome, tree
 
 Cli = Callable[..., Outcome]
 
@@ -244,3 +245,24 @@ def test_batch_is_noted(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> No
     assert wmrgen_cli("check", robot_file, "-o", out).code == 1
     assert wmrgen_cli("derive", robot_file, "-o", out).code == 0
     assert "pair_many.h" not in tree(out / "pair")
+
+
+def test_sections_that_no_function_uses_are_reported(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """Each by its name, until a function of the file uses it; per-wheel sections too."""
+    path = tmp_path / "pair.yaml"
+    trailers, cg = "trailers: [{name: cart, length: 1, hitch: 0}]\n", "cg: {x: 0, y: 0, z: 0.3}\n"
+    encoder = "r: 0.0975, encoder: {spin: {counts: 2000}}}"
+    wheels = DIFFERENTIAL.replace("r: 0.0975}", encoder)
+    text = f"{wheels}{trailers}{cg}noise: {{spin: {{proportional: 0.02}}}}\n"
+    assert encoder in text
+
+    def noted(functions: str) -> list[str]:
+        path.write_text(text + functions, encoding="utf-8")
+        done = wmrgen_cli("derive", path, "-o", tmp_path / "out")
+        assert done.code == 0, done.err
+        lines = [line for line in done.err.splitlines() if "generated C" in line]
+        return re.findall(r"trailers|cg\b|encoder|noise", " ".join(lines).partition(". List")[0])
+
+    assert noted("") == ["trailers", "cg", "encoder", "noise"]
+    assert noted("functions: [trailer, joints_from_counts]\n") == ["cg", "noise"]
+    assert noted("functions: [trailer, joints_from_counts, cg_force, forward_covariance]\n") == []

@@ -45,9 +45,20 @@ def test_the_list_is_the_gallery(wmrgen_cli: Cli) -> None:
     )
 
 
+OWN = {
+    "limits",
+    "deadband",
+    "encoder",
+    "noise",
+    "lag",
+    "cg",
+    "gyro",
+}  # sections that describe one robot alone
+
+
 @pytest.mark.parametrize("path", GALLERY, ids=lambda p: p.stem)
-def test_what_begins_as_a_robot_is_that_robot(wmrgen_cli: Cli, here: Path, path: Path) -> None:
-    """But for the names; and every key of the file is explained above it."""
+def test_a_copy_moves_as_the_robot_does(wmrgen_cli: Cli, here: Path, path: Path) -> None:
+    """The same constraints; every key of the file is explained above it, and what is left out is a comment."""
     done = wmrgen_cli("new", "mine", "--from", path.stem)
     assert done.code == 0, done.err
     text = (here / "mine.yaml").read_text(encoding="utf-8")
@@ -57,16 +68,39 @@ def test_what_begins_as_a_robot_is_that_robot(wmrgen_cli: Cli, here: Path, path:
     assert ours.pop("name") == "mine" and ours.pop("description") == f"after {theirs.pop('description')}"
     del theirs["name"]
     theirs.pop("source", None)
-    assert ours == theirs
+    wheels, original = ({w["name"]: w for w in robot.pop("wheels")} for robot in (ours, theirs))
+    driven = any(
+        w["type"] not in ("castor", "spherical") or w.keys() & {"actuated", "driven"}
+        for w in original.values()
+    )
+    for name, wheel in original.items():
+        passive = wheel["type"] in ("castor", "spherical") and not wheel.keys() & {"actuated", "driven"}
+        if passive and driven:
+            assert name not in wheels and re.search(rf"^ *# *- {{name: {name},", text, re.MULTILINE)
+        else:
+            assert wheels[name] == {key: value for key, value in wheel.items() if key not in OWN}
+    for key in theirs.keys() & OWN:
+        assert re.search(rf"^# {key}: ", text, re.MULTILINE)
+    functions = [set(robot.pop("functions", ())) for robot in (ours, theirs)]
+    assert functions[0] <= functions[1] and all(name in text for name in functions[1])
+    assert ours == {key: value for key, value in theirs.items() if key not in OWN}
     lines = text.splitlines()
-    for key in ours.keys() - {"wmrgen"}:
+    for key in {*ours, "wheels"} - {"wmrgen"}:
         above = lines.index(next(line for line in lines if line.startswith(f"{key}:")))
         comments = []
         while lines[above - 1].startswith("#"):
             above -= 1
             comments.insert(0, lines[above].lstrip("# "))
         assert any(ROBOT.field(key).meaning.startswith(comment) for comment in comments if comment)
-    assert wmrgen.derive(wmrgen.load(here / "mine.yaml")).mobility.reasons
+    copy, robot = (wmrgen.derive(wmrgen.load(file)).mobility for file in (here / "mine.yaml", path))
+    assert copy.degree_of_mobility == robot.degree_of_mobility
+    assert copy.degree_of_steerability == robot.degree_of_steerability
+    assert wmrgen_cli("derive", "mine.yaml").code == 0
+
+
+def test_a_robot_of_castors_keeps_them(wmrgen_cli: Cli, here: Path) -> None:
+    assert wmrgen_cli("new", "mine", "--from", "office_chair").code == 0
+    assert len(wmrgen.load(here / "mine.yaml").wheels) == 5
 
 
 def test_values_and_a_description_of_one_s_own(wmrgen_cli: Cli, here: Path) -> None:
@@ -220,9 +254,11 @@ def test_a_number_that_is_not_given_is_open(wmrgen_cli: Cli, here: Path, kind: s
     assert refused.code == 2 and "error[WMR108]" in refused.err and f"mine.yaml:{row + 1}:" in refused.err
 
 
-def test_what_a_copy_takes_over_is_listed(wmrgen_cli: Cli, here: Path) -> None:
+def test_what_a_copy_leaves_out_is_listed(wmrgen_cli: Cli, here: Path) -> None:
     done = wmrgen_cli("new", "mine", "--from", "pioneer3dx")
-    assert all(word in done.err.split("Copied")[1] for word in ("tail", "limits", "encoder", "noise"))
+    for word in ("tail", "limits", "encoder", "noise", "joints_from_counts"):
+        assert re.search(rf"\b{word}\b", done.err)
+    assert "odometry_from_angles" not in done.err  # which needs none of them
 
 
 def test_functions_are_those_that_can_be_derived(wmrgen_cli: Cli) -> None:

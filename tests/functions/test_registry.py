@@ -13,11 +13,12 @@ import sympy
 
 import wmrgen
 from tests.conftest import ROOT
+from tests.functions.refusals import refused
 from wmrgen.analysis.kinematics.pose import SINC
 from wmrgen.analysis.kinematics.records import Formula, Locals
-from wmrgen.errors import Code, RobotFileError
+from wmrgen.errors import Code, NotDerivableError, RobotFileError
 from wmrgen.functions import registry
-from wmrgen.functions.registry import Kind, declaration, has_function, names, optional_names
+from wmrgen.functions.registry import Kind, Reason, declaration, has_function, names, optional_names
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.ports import TWIST, Limits, Port, Role, output
 from wmrgen.geometry.symbolic import Expr, local, parameter, signal
@@ -256,3 +257,51 @@ def test_a_formula_of_which_no_code_can_be_written(
     with pytest.raises(ValueError, match=name) as caught:
         _ = derivation.raw_module
     assert all(word in str(caught.value) for word in names)
+
+
+SECTIONS = {
+    "trailers": "trailers: [{name: cart, length: 1, hitch: 0.2}]",
+    "cg": "cg: {x: 0, y: 0, z: 0.3}",
+    "encoder": "encoder: {spin: {counts: 2000}}",
+    "noise": "noise: {spin: {proportional: 0.02}}",
+}
+PAIR = """wmrgen: 1
+name: pair
+wheels:
+  - {name: left, type: fixed, x: 0, y: 0.15, heading: 0, r: 0.05}
+  - {name: right, type: fixed, x: 0, y: -0.15, heading: 0, r: 0.05}
+"""
+CAR = f"{PAIR}  - {{name: front, type: steered, x: 0.4, y: 0, heading: 0, r: 0.05}}\n"
+
+
+def formulas(path: Path, text: str) -> dict[str, str]:
+    """All functions of a robot as text; those that it does not have are empty."""
+    path.write_text(text, encoding="utf-8")
+    derivation = wmrgen.derive(wmrgen.load(path))
+    found = {}
+    for name in names():
+        try:
+            formula = derivation.formula(name)
+            found[name] = repr((formula.inputs, formula.outputs))
+        except NotDerivableError:
+            found[name] = ""
+    return found
+
+
+@pytest.mark.slow
+def test_functions_read_the_sections_that_change_them(tmp_path: Path) -> None:
+    """Of a differential drive or a car: a function changes with a section exactly if it declares that it reads it."""
+    assert SECTIONS.keys() == set(registry.SECTIONS)
+    bare = {text: formulas(tmp_path / "robot.yaml", text) for text in (PAIR, CAR)}
+    for section, line in SECTIONS.items():
+        changed = set()
+        for text, before in bare.items():
+            after = formulas(tmp_path / "robot.yaml", f"{text}{line}\n")
+            changed |= {name for name in names() if before[name] != after[name]}
+        assert changed == {name for name in names() if section in declaration(name).reads}
+
+
+def test_a_robot_without_rollers_has_no_contacts(tmp_path: Path) -> None:
+    (tmp_path / "robot.yaml").write_text(PAIR, encoding="utf-8")
+    with refused(Reason.NO_ROLLERS, "r_sw", "r"):
+        wmrgen.derive(wmrgen.load(tmp_path / "robot.yaml")).formula("contacts")

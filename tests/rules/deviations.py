@@ -40,24 +40,24 @@ DEVIATIONS = (
     ),
     Deviation(
         MISRA, "misra-c2012-11.3", r"\w+\.c",
-        "`<robot>_joint()` takes `<robot>_wheels` for an array of scalars",
-        "All members are scalars of one type, and a declaration below refuses to compile where the type has padding.",
+        "`<robot>_joint()` reads `<robot>_wheels` as an array of scalars",
+        "All members are scalars of one type. A declaration below does not compile if the type has padding.",
     ),
     Deviation(
         MISRA, "misra-c2012-2.3", r"\w+\.c",
-        "nothing uses the type `<robot>_wheels_are_joints`",
-        "It is the assertion of that layout: C99 has no `_Static_assert`.",
+        "the type `<robot>_wheels_are_joints` is not used",
+        "It asserts this layout, because C99 has no `_Static_assert`.",
     ),
     Deviation(
         MISRA, "misra-c2012-8.9", r"\w+_selftest\.c",
-        "the tables of the self-test stand at file scope and are read in one function",
+        "the tables of the self-test are at file scope and are read in one function",
         "A table inside the function would hide its ten lines behind two hundred. Not part of the product.",
     ),
     Deviation(
         MISRA, "misra-c2012-7.3", r"\w+\.c",
         "the names `fl` and `bl` of wheels of two robots",
-        "A false alarm: the add-on takes them for hexadecimal numbers with a lower-case suffix l. Wheels are called "
-        "what the robot file calls them.",
+        "A false alarm: the add-on reads them as hexadecimal numbers with a lower-case suffix l. Wheels have "
+        "the names of the robot file.",
         "kuka_youbot",
     ),
     Deviation(
@@ -69,7 +69,7 @@ DEVIATIONS = (
     Deviation(
         TIDY, "misc-use-internal-linkage", r"\w+_selftest\.c",
         "`<robot>_selftest()` has external linkage and is called in its own file",
-        "Firmware calls it from a program of its own; it has a `main` only where `<ROBOT>_SELFTEST_MAIN` asks for it.",
+        "Firmware calls it from its own program. It has a `main` only if `<ROBOT>_SELFTEST_MAIN` is defined.",
     ),
 )  # fmt: skip
 
@@ -84,6 +84,6 @@ def kept(tool: str, check: str, file: str) -> Deviation | None:
 
 def table() -> str:
     """Return the rows of the table in docs/misra.md."""
-    rows = ["| checker | finding | what | why it stays |", "| :-- | :-- | :-- | :-- |"]
+    rows = ["| checker | finding | place | why it remains |", "| :-- | :-- | :-- | :-- |"]
     rows += [f"| {d.tool} | {d.check} | {d.what} | {d.reason} |" for d in DEVIATIONS]
     return "\n".join(rows)

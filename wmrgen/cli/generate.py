@@ -300,7 +300,7 @@ def derived(spec: RobotSpec, robot: Robot, say: Callable[[str], None] = console.
         NotDerivableError: A finding stops the derivation, or the robot cannot have a function that the file requests.
     """
     from wmrgen.cli.loading import linted
-    from wmrgen.geometry.notation import plain
+    from wmrgen.geometry.notation import listed, plain
 
     derivation = wmrgen.derive(robot)
     findings = linted(spec, derivation)
@@ -321,7 +321,29 @@ def derived(spec: RobotSpec, robot: Robot, say: Callable[[str], None] = console.
     # This refuses trailers and virtual wheels that the robot cannot have.
     _ = derivation.mobility
     _refuse_functions(spec, derivation)
+    if unused := _unused_sections(spec):
+        from wmrgen.functions.registry import declaration, names
+
+        readers = [name for name in names() if set(declaration(name).reads) & set(unused)]
+        say(
+            f"note: {robot.name}: no function of the generated C uses {listed(unused, 'or')}. List one of these under "
+            f"functions if the robot has it (`wmrgen functions`): {', '.join(readers)}"
+        )
     return derivation
+
+
+def _unused_sections(spec: RobotSpec) -> list[str]:
+    """Return the sections of a robot file that no function of its C uses."""
+    from wmrgen.functions.registry import SECTIONS, declaration
+
+    given = {
+        "trailers": bool(spec.trailers),
+        "cg": spec.cg is not None,
+        "encoder": bool(spec.encoders) or any(w.encoders for w in spec.wheels),
+        "noise": bool(spec.noise) or any(w.noise for w in spec.wheels),
+    }
+    used = {section for function in spec.functions for section in declaration(function.name).reads}
+    return [section for section in SECTIONS if given[section] and section not in used]
 
 
 def _refuse_functions(spec: RobotSpec, derivation: Derivation) -> None:

@@ -26,7 +26,6 @@ from wmrgen.robotfile.text import (
     quoted,
     suggestion,
 )
-from wmrgen.robotfile.wheel_types import WHEEL_TYPES
 
 if TYPE_CHECKING:
     from wmrgen.robotfile.fields import Field
@@ -166,6 +165,7 @@ def _copy(
         path: The file, for messages.
     """
     from wmrgen.cli.gallery import shipped_robots
+    from wmrgen.cli.own_parts import comment_own_parts
     from wmrgen.robotfile.load import read_text, text_of
     from wmrgen.robotfile.typesetting import formatted
 
@@ -181,13 +181,14 @@ def _copy(
             words[p.name] = console.ask(f"{p.name}?", p.value.text, accept)
     text = _with_values(origin, spec, words)
     text = _renamed(text, name, description or f"after {spec.description}")
-    text = formatted(_commented(text, name, start), str(path))
+    text, left_out = comment_own_parts(_commented(text, name, start), spec, start)
+    text = formatted(text, str(path))
     mobility = wmrgen.derive(wmrgen.robot_of(read_text(text, str(path)))).mobility
-    taken = [key for key in ("limits", "encoder", "noise", "gyro", "lag", "cg") if f"\n{key}:" in text]
-    passive = [wheel.name for wheel in spec.wheels if not WHEEL_TYPES[wheel.type].actuated]
-    if taken or passive:
-        copied = " ".join([*passive, *taken])
-        console.note(f"Copied from {start}, so correct or delete what your robot does not have: {copied}.")
+    if left_out:
+        console.note(
+            f"Comments in the file, because they describe {start}: {' '.join(left_out)}. "
+            "Remove the # of the parts that your robot has, and write its values."
+        )
     degrees = f"mobility {mobility.degree_of_mobility}, steerability {mobility.degree_of_steerability}"
     return text, degrees
 

@@ -57,8 +57,11 @@ class Declaration(NamedTuple):
     in_place: bool
     # it is about the contacts of the wheels, also for a robot with an effective track (`layout.skid`)
     contacts: bool
+    reads: tuple[str, ...] = ()  # which of `SECTIONS` it uses
 
 
+# Sections of a robot file that may be there without any function that uses them.
+SECTIONS = ("trailers", "cg", "encoder", "noise")
 FUNCTIONS: dict[str, Declaration] = {}  # declared so far; `names` and `declaration` import what is missing
 SYSTEMS: dict[str, SystemBuilder] = {}
 
@@ -70,6 +73,7 @@ def function(
     exists: Callable[[Robot], bool] = lambda _: True,
     in_place: bool = False,
     contacts: bool = False,
+    reads: tuple[str, ...] = (),
 ) -> Callable[[Builder], Builder]:
     """Declare the function with the name of the decorated builder.
 
@@ -80,6 +84,7 @@ def function(
         exists: Whether a robot has it, for a STANDARD function.
         in_place: Whether it may write its results over its inputs.
         contacts: Whether it is about the contacts of the wheels with the ground.
+        reads: Which of `SECTIONS` it uses.
 
     Raises:
         ValueError: If another module has declared the function.
@@ -92,7 +97,7 @@ def function(
             raise ValueError(
                 f"function {name} of {build.__module__} is already declared in {other.build.__module__}"
             )
-        FUNCTIONS[name] = Declaration(name, build, source, kind, limits, exists, in_place, contacts)
+        FUNCTIONS[name] = Declaration(name, build, source, kind, limits, exists, in_place, contacts, reads)
         return build
 
     return declare
@@ -138,6 +143,7 @@ class Reason(StrEnum):
     NO_POLYGON = "no support polygon"
     TOO_LONG = "too long"  # the formulas would be too long
     NO_TRAILERS = "no trailers"
+    NO_ROLLERS = "no rollers"  # no roller and no sphere has a radius
     HITCH = "hitch off the axle"  # a trailer is not coupled on the axle
     ROBOT_TYPE = "robot type"  # the function is for other types (Campion)
     FLAT_OUTPUTS = "flat outputs without formulas"  # flat outputs are known, but no formulas

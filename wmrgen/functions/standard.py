@@ -5,8 +5,7 @@ from __future__ import annotations
 from wmrgen.analysis import kinematics
 from wmrgen.analysis.kinematics import Formula
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.errors import NotDerivableError
-from wmrgen.functions.registry import Kind, function
+from wmrgen.functions.registry import Kind, Reason, function, underivable
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.ports import Limits
 
@@ -44,7 +43,6 @@ def contacts(robot: Robot, _: Mobility) -> Formula:
     """Return the speeds of rollers and spheres for a twist."""
     formula = kinematics.contacts(robot)
     if formula is None:
-        raise NotDerivableError(
-            f"{robot.name} has no contacts: it has neither rollers (r_sw) nor spheres with a radius (r)"
-        )
+        why = "it has neither rollers (r_sw) nor spheres with a radius (r)"
+        raise underivable(robot, "contacts", why, Reason.NO_ROLLERS)
     return formula

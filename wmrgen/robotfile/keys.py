@@ -437,7 +437,7 @@ WHEEL = Section(
             example="0.25",
         ),
         Field(
-            "r_sw", _LENGTH, "roller radius, for the function contacts",
+            "r_sw", _LENGTH, "roller radius; the function contacts needs it",
             aliases=dict.fromkeys(("roller_radius", "r_roller"), ""),
             misfit=("r_sw is the roller radius; only swedish wheels have rollers.", f"{_NO_ROLLERS} r_sw."),
             example="6 mm",
@@ -460,7 +460,7 @@ WHEEL = Section(
             ),
         ),
         Field(
-            "actuated", _JOINTS, "joints that are driven", default="those of the wheel type",
+            "actuated", _JOINTS, "joints that are driven", default="the driven joints of the wheel type",
             aliases=dict.fromkeys(
                 ("powered", "drive", "motor", "passive"), "Write actuated: [spin], or actuated: []."
             ),
@@ -471,10 +471,10 @@ WHEEL = Section(
             "weight of the wheel in the least squares of forward: 1/4 means twice the noise of a wheel with weight 1",
             default="1", example="1/4",
         ),
-        Field("limits", LIMITS, "limits of this wheel's joints, in place of those of the robot", example="{spin: 20}"),
-        Field("noise", NOISE, "noise of this wheel's joints, in place of that of the robot"),
-        Field("encoder", ENCODER, "encoders of this wheel's joints, in place of those of the robot"),
-        Field("lag", LAG, "lag of this wheel's joints, in place of that of the robot"),
+        Field("limits", LIMITS, "this wheel's limits; they replace the limits of the robot", example="{spin: 20}"),
+        Field("noise", NOISE, "noise of this wheel's joints; it replaces the noise of the robot"),
+        Field("encoder", ENCODER, "encoders of this wheel's joints; they replace the encoders of the robot"),
+        Field("lag", LAG, "lag of this wheel's joints; it replaces the lag of the robot"),
         Field("joints", JOINTS, "names of this wheel's joints in other tools", aliases={"joint": ""}),
     ),
     (
@@ -510,7 +510,7 @@ ROBOT = Section(
             aliases=dict.fromkeys(("robot", "title", "model"), ""), example="my_robot",
         ),
         Field(
-            "description", Text(2_000), "which robot it is, for the banner and the report",
+            "description", Text(2_000), "description of the robot; the banner and the report print it",
             example="warehouse cart, second prototype",
         ),
         Field("source", Text(2_000), "source of the dimensions", example="drawing 17-3, measured under load"),
@@ -531,7 +531,8 @@ ROBOT = Section(
             "angles within 2e-3 rad of a multiple of pi/12 are replaced by that multiple",
         ),
         Field(
-            "tolerance", _LENGTH, "fixed axles that are at most this far apart are treated as one axle; 0 for none",
+            "tolerance", _LENGTH,
+            "fixed axles that are at most this far apart are treated as one axle; 0: only axles on exactly one line",
             default="1 mm per metre of the robot's size", example="2 mm",
         ),
         Field("parameters", Mapped(PARAMETER, 256), "named lengths, angles and numbers"),
@@ -593,7 +594,7 @@ ROBOT = Section(
             "when "
             "the centre of rotation is less than 0.1 mm from a steered wheel",
         ),
-        Field("cg", CG, "centre of gravity, for the function stability"),
+        Field("cg", CG, "centre of gravity; the function stability needs it"),
         Field("gains", GAINS, "gains of the control laws"),
         Field(
             "functions", ListOf(OneOf("function"), "[dynamics]", once=True),

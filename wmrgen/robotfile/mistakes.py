@@ -33,8 +33,8 @@ MISTAKES = {
     for mistake in (
         Mistake(
             Code.NOT_YAML, "invalid YAML",
-            "A robot file is a page of YAML in UTF-8: lines `key: value`, lists with lines that begin with `- `, or "
-            "{ } and [ ] on one line, indented by spaces. Anchors, aliases, tags and invisible characters are "
+            "A robot file is a page of YAML in UTF-8, indented by spaces. It has lines `key: value`. Lists have lines "
+            "that begin with `- `, or { } and [ ] on one line. Anchors, aliases, tags and invisible characters are "
             "refused. Reading stops at the first such mistake.",
             _WHEELS.replace("}", ""), _WHEELS,
         ),
@@ -67,8 +67,8 @@ MISTAKES = {
         ),
         Mistake(
             Code.TWICE, "conflicting keys",
-            "Two keys or names exclude each other: a key or a name that occurs twice, a wheel with l, alpha as well as "
-            "x, y, or a key that does not fit the type of the wheel. Names that differ only in case are equal, because "
+            "Two keys or names exclude each other. For example, a key or a name occurs twice, a wheel has l, alpha "
+            "and x, y, or a key does not fit the type of the wheel. Names that differ only in case are equal, because "
             "macros are in upper case and many file systems ignore case.",
             _WHEELS.replace("heading: 0", "heading: 0, beta: 0"), _WHEELS,
         ),
@@ -86,8 +86,8 @@ MISTAKES = {
         ),
         Mistake(
             Code.VALUE, "invalid value",
-            "The value has the right type, but no wheel or robot can have it: a radius of 0, a castor with d = 0 "
-            "(which is a steered wheel), a lower limit above the upper one, or a division by zero.",
+            "The value has the right type, but no wheel or robot can have it. Examples are a radius of 0, a castor "
+            "with d = 0 (which is a steered wheel), a lower limit above the upper one, and a division by zero.",
             _WHEELS.replace("50 mm", "0"), _WHEELS,
         ),
     )
@@ -116,10 +116,10 @@ CALLS = {
         ),
         Mistake(
             Code.UNDERIVABLE, "impossible derivation",
-            "The robot file is valid, but the requested result cannot be derived from it: a function that this type "
-            "of robot cannot have, a controller that does not fit its wheels, or couplings with which steering alone "
-            "would move the robot. The exit code is 3. `wmrgen functions ROBOT.yaml` lists the functions of a robot, "
-            "and why it does not have the others.",
+            "The robot file is valid, but the requested result cannot be derived from it. For example, this type of "
+            "robot cannot have the function, a controller does not fit its wheels, or couplings let steering alone "
+            "move the robot. The exit code is 3. `wmrgen functions ROBOT.yaml` lists the functions of a robot, "
+            "with the reason for each missing function.",
             _TURNING.replace("rear, type: steered", "rear, type: castor, d: -0.04"), _TURNING,
         ),
         Mistake(

@@ -95,7 +95,7 @@ wheels:
 | smooth acceleration | `limits` with `vx_rate`, `omega_rate` | `functions: [limit_acceleration]` |
 | wheel speeds from encoder counts | `encoder` | `functions: [joints_from_counts]` |
 | the covariance of the pose | `noise` | `functions: [forward_covariance, odometry_covariance]` |
-| correct turns of a robot that skids | `effective_track` | |
+| correct heading of a robot that skids | `effective_track` | |
 | the names of joints in ROS 2 | `joints` of the wheels, `frame` | |
 | trailers | `trailers` | `functions: [trailer]` |
 | the margin against tipping over | `cg` | `functions: [stability]` |
@@ -107,7 +107,7 @@ noise: {spin: {proportional: 0.02, constant: 0.02 rad/s}}
 functions: [limit_twist, limit_acceleration, desaturate, joints_from_counts, forward_covariance, odometry_covariance]
 ```
 
-**When something is wrong**, the message names the line and what to write. An unknown key is [WMR102](lint.md#wmr102),
+**When something is wrong**, the message names the line and the correction. An unknown key is [WMR102](lint.md#wmr102),
 a missing key [WMR103](lint.md#wmr103), a value of the wrong type [WMR104](lint.md#wmr104). `wmrgen lint` reports
 likely mistakes in a valid file.
 """

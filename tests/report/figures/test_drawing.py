@@ -125,27 +125,61 @@ def test_figures_are_few_and_described(name: str) -> None:
     assert ("motion.svg" in d.figures) == (d.mobility.degree_of_mobility > 0)
 
 
+DARK = "@media screen and (prefers-color-scheme: dark) {"
+_RULE = re.compile(r"^(\.wmrgen [^{]*) {(.*)}$", re.MULTILINE)
+
+
+def cascade(*styles: str) -> dict[str, dict[str, str]]:
+    """The colours of each selector after all styles: selector -> property -> six hexadecimal digits."""
+    found: dict[str, dict[str, str]] = {}
+    for style in styles:
+        for selectors, declarations in _RULE.findall(style):
+            colours = dict(re.findall(r"(fill|stroke): #(\w{6})", declarations))
+            for selector in selectors.split(", "):
+                found.setdefault(selector.removeprefix(".wmrgen ").removeprefix("."), {}).update(colours)
+    return found
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 def test_colours_are_those_of_okabe_and_ito_and_greys(name: str) -> None:
-    """Lines and letters stand out from white by 3 to 1 at least, letters by 4.5."""
+    """Lines and letters stand out from the page by 3 to 1 at least, letters by 4.5: on white, and on the dark page."""
     for _, svg in of_gallery(name).figures.values():
         colours = set(re.findall(r"#([0-9a-f]{6})\b", svg))
         greys = {c for c in colours if c[:2] == c[2:4] == c[4:]}
         assert colours - greys <= OKABE_ITO
-        style = svg.partition("<style>")[2].partition("</style>")[0]
-        for rule in style.splitlines():
-            stroke = re.search(r"stroke: #(\w{6})", rule)
-            if stroke and not re.search(r"\.(chassis|halo)|text ", rule):
-                assert contrast(stroke[1]) >= 3, rule
-        letters = re.findall(r"(?:text|\.key) {.*?fill: #(\w{6})", style)
-        assert letters and all(contrast(c) >= 4.5 for c in letters)
+        light, dark = svg.partition("<style>")[2].partition("</style>")[0].split(DARK)
+        for seen in (cascade(light), cascade(light, dark)):
+            page = seen["page"]["fill"]
+            for selector, drawn in seen.items():
+                if "stroke" in drawn and selector not in ("chassis", "halo", "text"):
+                    assert contrast(drawn["stroke"], page) >= 3, (selector, drawn)
+                if selector.endswith((".head", "dot", "fixed")):
+                    assert contrast(drawn["fill"], page) >= 3, (selector, drawn)
+            assert all(seen[words]["fill"] != page for words in ("text", "key"))
+            assert min(contrast(seen[words]["fill"], page) for words in ("text", "key")) >= 4.5
+            # What hides the lines below it has the colour of the page.
+            assert {seen[s][p] for s, p in {"text": "stroke", "halo": "stroke", "pivot": "fill"}.items()} == {
+                page
+            }
 
 
-def contrast(colour: str) -> float:
-    """With white, by WCAG 2."""
+def test_dark_pages_are_dark() -> None:
+    _, svg = of_gallery("pioneer3dx").figures["layout.svg"]
+    light, dark = svg.split(DARK)
+    assert contrast(cascade(light)["page"]["fill"], "000000") > 20
+    assert contrast(cascade(dark)["page"]["fill"], "ffffff") > 15
+
+
+def contrast(one: str, other: str) -> float:
+    """Of two colours, by WCAG 2."""
+    brightness = sorted(luminance(colour) for colour in (one, other))
+    return (brightness[1] + 0.05) / (brightness[0] + 0.05)
+
+
+def luminance(colour: str) -> float:
     parts = (int(colour[k : k + 2], 16) / 255 for k in (0, 2, 4))
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
-    return 1.05 / (0.05 + 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2])
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
 
 @pytest.mark.parametrize("name", ROBOTS)

@@ -36,15 +36,15 @@ def _told(script: str) -> str:
 
 
 def opened(
-    page: str, script: str, folder: Path, size: tuple[int, int] = (1200, 900)
+    page: str, script: str, folder: Path, size: tuple[int, int] = (1200, 900), flags: tuple[str, ...] = ()
 ) -> tuple[Any, list[str]]:
-    """As `seen`, of a page without a policy."""
+    """As `seen`, of a page without a policy. ``flags``: more options of Chromium."""
     browser = next((path for name in _BROWSERS if (path := find_tool(name))), None) or missing("no Chromium")
     path = folder / "page.html"
     path.write_text(page.replace("</body>", f"<script>{_told(script)}</script></body>"), encoding="utf-8")
     root = ["--no-sandbox"] if os.geteuid() == 0 else []
     command = [
-        str(browser), "--headless", "--disable-gpu", "--enable-logging=stderr", *root,
+        str(browser), "--headless", "--disable-gpu", "--enable-logging=stderr", *root, *flags,
         f"--user-data-dir={folder}/profile", f"--window-size={size[0]},{size[1]}", "--dump-dom", path.as_uri(),
     ]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)

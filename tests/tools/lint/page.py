@@ -26,7 +26,7 @@ A comment may list several codes. A finding about the whole robot is reported at
 them: URDF and SDF, parameters of wheel controllers, and headers that wmrgen wrote. Differences have the codes from
 WMR040 on; their examples are two files, separated by `---`. Lengths within 0.2 % and angles within 0.002 rad are equal.
 A comment next to the number in either file keeps it. Values that only one file gives are listed as "not compared". If
-there is only a description, `lint` checks the names of its wheels against their places, and nothing else.
+there is only a description, `lint` compares the names of its wheels with their positions, and applies no other rule.
 
 Codes from WMR101 on are not findings. They are the kinds of errors for which a robot file, another file or a call is
 refused, with exit code 2. All errors are reported in one run, in the order of the file. Errors that merely follow from

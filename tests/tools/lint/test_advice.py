@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from tests.tools.lint.test_rules import HEAD, linted
+from tests.tools.lint.test_thresholds import wheels
 from wmrgen.tools.lint import RULES, Finding
 
 YAML = r"(\[[^\]]*\]|\{[^}]*\}|[^,.;\s}\]]+(?:\.\d+)?(?: (?:mm|deg)\b)?)"
@@ -130,3 +131,41 @@ def test_degrees_as_advised_are_degrees(value: str, tmp_path: Path) -> None:
     assert f"{value} deg" in advised.instead
     then = text.replace(f"heading: {value},", f"heading: {value} deg,")
     assert "WMR001" not in [f.code for f in found(tmp_path / "a.yaml", then)]
+
+
+@pytest.mark.parametrize(
+    ("sizes", "units"),
+    [
+        (("0.2", "50"), {"50 mm"}),
+        (("0.2", "50 m"), {"50 mm"}),
+        (("200", "50 mm"), {"50 m"}),  # or a distance of 200 mm, on which WMR003 remarks
+        (("0.2", "1e6"), set()),
+        (("0.2", "50 + 1"), set()),  # no number that could have a unit
+        (("0.2", "size"), set()),
+    ],
+)
+def test_a_proposed_size_is_the_number_of_the_file_in_a_unit_that_fits(
+    sizes: tuple[str, str], units: set[str], tmp_path: Path
+) -> None:
+    y, r = sizes
+    both = [
+        f"name: {n}, type: fixed, x: 0, y: {s}{y}, heading: 0, r: {r}" for n, s in (("a", ""), ("b", "-"))
+    ]
+    text = f"{HEAD}parameters: {{size: 50}}\n{wheels(*both)}"
+    (finding,) = (f for f in found(tmp_path / "a.yaml", text) if f.code == "WMR004")
+    assert set(re.findall(r"[\d.e]+ (?:mm|cm|in|m)\b", finding.instead)) == units
+
+
+@pytest.mark.parametrize(
+    ("rest", "units"),
+    [
+        ("  - {name: c, type: fixed, x: 1, y: 0, heading: 0, r: 0.1 mm}\n", {"0.1 m"}),
+        ("  - {name: c, type: castor, x: -0.3, y: 0, d: -40, r: 0.1}\n", {"-40 mm"}),
+        ("trailers: [{name: t, length: 0.9 mm, hitch: 0.1}]\n", {"0.9 m"}),
+    ],
+)
+def test_a_proposed_size_of_other_parts(rest: str, units: set[str], tmp_path: Path) -> None:
+    both = [f"name: {n}, type: fixed, x: 0, y: {y}, heading: 0, r: 0.1" for n, y in (("a", 0.2), ("b", -0.2))]
+    (finding,) = (f for f in found(tmp_path / "a.yaml", HEAD + wheels(*both) + rest) if f.code == "WMR004")
+    proposed = set(re.findall(r"-?[\d.e]+ (?:mm|cm|in|m)\b", finding.instead))
+    assert proposed and proposed <= units

@@ -83,7 +83,9 @@ class _Block(NamedTuple):
 
 
 @function(
-    "ours, after Tzafestas (2.8a): propagation of first order; DerSimonian, Laird", limits=Limits.MEASURED
+    "ours, after Tzafestas (2.8a): propagation of first order; DerSimonian, Laird",
+    limits=Limits.MEASURED,
+    reads=("noise",),
 )
 def forward_covariance(robot: Robot, _: Mobility) -> Formula:
     """Return the covariance of the twist of `forward` for sensed joints, the twist and its slip."""

@@ -148,7 +148,7 @@ _DIFFERENCE = "counts since the last step, the difference of a reading that may 
 _FROM_OFFSET = "counts from the offset of the absolute encoder, the difference of a reading that may wrap"
 
 
-@function("ours; the texts have none", in_place=True)
+@function("ours; the texts have none", in_place=True, reads=("encoder",))
 def joints_from_counts(robot: Robot, _: Mobility) -> Formula:
     """Return joint rates and angles from the counts of encoders."""
     names = Locals()

@@ -177,7 +177,7 @@ class _Plane(NamedTuple):
         return names.define(f"{self.name}_{suffix}", value)
 
 
-@function("criterion of Kelly 4.1.3; the margin is ours", contacts=True)
+@function("criterion of Kelly 4.1.3; the margin is ours", contacts=True, reads=("cg",))
 def stability(robot: Robot, _: Mobility) -> Formula:
     """Return the margin of every edge of the support polygon for a specific force and steering angles.
 

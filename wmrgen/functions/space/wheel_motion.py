@@ -222,7 +222,7 @@ def centre_of_gravity(robot: Robot, name: str) -> Vector:
     return triple(expression(p.working) for p in robot.cg)
 
 
-@function("Kelly 4.1.3", contacts=True)
+@function("Kelly 4.1.3", contacts=True, reads=("cg",))
 def cg_force(robot: Robot, _: Mobility) -> Formula:
     """Return the specific force at the centre of gravity from an accelerometer and a gyroscope."""
     c = centre_of_gravity(robot, "cg_force")

@@ -56,7 +56,7 @@ def _formula(name: str, w: TrainTerms, inputs: tuple[Port, ...], outputs: Output
     return w.names.formula(name, ports, outputs, text)
 
 
-@function(SOURCE)
+@function(SOURCE, reads=("trailers",))
 def chained(robot: Robot, mobility: Mobility) -> Formula:
     """Return z1 ... zn for x y theta, steering and trailers."""
     w = terms_of(train(robot, mobility))
@@ -75,7 +75,7 @@ def _coordinates(w: TrainTerms) -> tuple[Expr, ...]:
     return (w.x, *reversed(slopes), w.y)
 
 
-@function(SOURCE)
+@function(SOURCE, reads=("trailers",))
 def chained_input(robot: Robot, mobility: Mobility) -> Formula:
     """Return v, the steering rate and the twist of P for a state and u1, u2; `inverse` takes the twist."""
     w = terms_of(train(robot, mobility))
@@ -106,7 +106,7 @@ def _commands(w: TrainTerms, v: Expr, turning: Expr) -> Outputs:
     return ((V, v), *zip(TWIST, twist, strict=True), *steering)
 
 
-@function(SOURCE)
+@function(SOURCE, reads=("trailers",))
 def chained_rates(robot: Robot, mobility: Mobility) -> Formula:
     """Return z1' ... zn' for a state, v and the yaw or steering rate; u1, u2 are the first two."""
     w = terms_of(train(robot, mobility))
@@ -146,7 +146,7 @@ def _integrator(w: TrainTerms) -> tuple[Expr, Expr, Expr]:
     return z1, z2, add(times(sympy.Integer(-2), z3), times(z1, z2))
 
 
-@function(BROCKETT_SOURCE)
+@function(BROCKETT_SOURCE, reads=("trailers",))
 def brockett(robot: Robot, mobility: Mobility) -> Formula:
     """Return x1 x2 x3 for x y theta (Tzafestas (2.64))."""
     w = _chain_of_three(robot, mobility)
@@ -154,7 +154,7 @@ def brockett(robot: Robot, mobility: Mobility) -> Formula:
     return _formula("brockett", w, (), outputs, "state of Brockett's integrator; Tzafestas (2.64)")
 
 
-@function(BROCKETT_SOURCE)
+@function(BROCKETT_SOURCE, reads=("trailers",))
 def brockett_rates(robot: Robot, mobility: Mobility) -> Formula:
     """Return x1' x2' x3' for x y theta, v, omega (Tzafestas (2.65)); u1, u2 are the first two."""
     w = _chain_of_three(robot, mobility)
@@ -166,7 +166,7 @@ def brockett_rates(robot: Robot, mobility: Mobility) -> Formula:
     return _formula("brockett_rates", w, (V, w.train.turning), outputs, text)
 
 
-@function(BROCKETT_SOURCE)
+@function(BROCKETT_SOURCE, reads=("trailers",))
 def brockett_input(robot: Robot, mobility: Mobility) -> Formula:
     """Return v, vx, vy, omega for x y theta, u1, u2: the inputs are those of the chain."""
     _chain_of_three(robot, mobility)

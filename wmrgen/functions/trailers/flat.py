@@ -82,7 +82,7 @@ def _translates(robot: Robot, mobility: Mobility) -> bool:
     return mobility.robot_type == (1, 1) and mobility.dof == 2 and not robot.trailers
 
 
-@function("ours; Tzafestas (2.66)-(2.69) solved for the inputs")
+@function("ours; Tzafestas (2.66)-(2.69) solved for the inputs", reads=("trailers",))
 def flat(robot: Robot, mobility: Mobility) -> Formula:
     """Return state and inputs for derivatives of the flat outputs, travelling forward; at standstill rates are 0."""
     claim = flatness(robot, mobility)

@@ -236,7 +236,7 @@ def _cleared(condition: Expr) -> Expr:
     return expression(cleared)
 
 
-@function("Tzafestas 2.3.6, (2.70) corrected; off the axle it is ours")
+@function("Tzafestas 2.3.6, (2.70) corrected; off the axle it is ours", reads=("trailers",))
 def trailer(robot: Robot, mobility: Mobility) -> Formula:
     """Return the rates of the posture and of the trailers' headings, and the speed of each trailer's axle."""
     require_trailers(robot, mobility)
@@ -274,7 +274,7 @@ def behind(point: Vector, length: Poly, heading: Expr) -> Vector:
     return subtract(x, times(distance, sympy.cos(heading))), subtract(y, times(distance, sympy.sin(heading)))
 
 
-@function("Tzafestas 2.3.6")
+@function("Tzafestas 2.3.6", reads=("trailers",))
 def trailer_positions(robot: Robot, mobility: Mobility) -> Formula:
     """Return the centre of each trailer's axle in the world frame [m], for the pose and the headings.
 
@@ -302,7 +302,7 @@ def trailer_positions(robot: Robot, mobility: Mobility) -> Formula:
     return names.formula("trailer_positions", inputs, outputs, text)
 
 
-@function("Tzafestas 2.3.6, (2.70) at rest")
+@function("Tzafestas 2.3.6, (2.70) at rest", reads=("trailers",))
 def steady_circle(robot: Robot, mobility: Mobility) -> Formula:
     """Return hitch angle and speed of each trailer on the steady circle of a curvature, and ``margin``.
 

@@ -20,7 +20,8 @@ _PATHS: Box = (20, 40, 460, 360)  # left, top, right, bottom
 _ERRORS: Box = (72, 432, 460, 572)
 _VALUES, _ROW, _MARGIN = 640, 20, 20  # where parameters begin, a row of them, the margin at the sides
 _MOST = 300  # points of a line
-_STYLE = """.calibration text { font: 12px Helvetica, Arial, sans-serif; fill: #000000; }
+_STYLE = """.calibration .page { fill: #ffffff; }
+.calibration text { font: 12px Helvetica, Arial, sans-serif; fill: #000000; }
 .calibration .end { text-anchor: end; }
 .calibration .middle { text-anchor: middle; }
 .calibration polyline { fill: none; stroke-width: 1.2; stroke-linejoin: round; }
@@ -30,7 +31,15 @@ _STYLE = """.calibration text { font: 12px Helvetica, Arial, sans-serif; fill: #
 .calibration .axis { stroke: #000000; stroke-width: 0.8; }
 .calibration .weak { stroke: #767676; stroke-width: 1.6; stroke-dasharray: 2 3; }
 .calibration .sure { stroke: #0072b2; stroke-width: 1.6; }
-.calibration .dot { fill: #0072b2; }"""
+.calibration .dot { fill: #0072b2; }
+@media screen and (prefers-color-scheme: dark) {
+.calibration .page { fill: #181818; }
+.calibration text { fill: #e6e6e6; }
+.calibration .reference, .calibration .weak { stroke: #9e9e9e; }
+.calibration .after, .calibration .sure { stroke: #56b4e9; }
+.calibration .axis { stroke: #e6e6e6; }
+.calibration .dot { fill: #56b4e9; }
+}"""
 
 
 def picture(before: Sequence[Drawn], after: Sequence[Drawn], parameters: Mapping[str, Estimate]) -> str:
@@ -44,7 +53,7 @@ def picture(before: Sequence[Drawn], after: Sequence[Drawn], parameters: Mapping
     elements = [*_key(), *_paths(before, after), *_errors(before, after), *_values(parameters)]
     height = _VALUES + _ROW * len(parameters) + _MARGIN
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" class="calibration">'
-    page = f'<rect width="{_WIDTH}" height="{height}" fill="#ffffff"/>'
+    page = f'<rect width="{_WIDTH}" height="{height}" class="page"/>'
     return "\n".join([head, f"<style>\n{_STYLE}\n</style>", page, *elements, "</svg>"]) + "\n"
 
 

@@ -58,10 +58,11 @@ def _between(code: str, title: str, text: str, robot: str, wrong: str, right: st
 _between(
     "WMR040",
     "another track",
-    """The distance between the left and the right wheels decides how fast the robot turns: with a track that is 4 %
-    short in the controller, it turns 4 % less than commanded and odometry counts 4 % too much. Half or double the track
-    is often a confused half-track. A wheel_separation_multiplier counts. For a robot that skids it counts only if the
-    robot file has an `effective_track`, which is compared with the product.""",
+    """The distance between the left and the right wheels decides how fast the robot turns. If the track in the
+    controller is 4 % too short, the robot turns 4 % less than commanded, and odometry reports 4 % too much. If the
+    track is half or double, track and half-track were likely confused. The track is multiplied by
+    wheel_separation_multiplier. For a robot that skids, this is done only if the robot file has an `effective_track`
+    to compare with.""",
     PAIR,
     f"{DIFF}  wheel_separation: 0.2\n  wheel_radius: 0.1",
     f"{DIFF}  wheel_separation: 0.4\n  wheel_radius: 0.1",
@@ -69,8 +70,8 @@ _between(
 _between(
     "WMR041",
     "another wheelbase",
-    """The distance from the rear to the front wheels decides how far a car steers for a curve: with a wheelbase that is
-    too short it steers too little, and turns less than commanded.""",
+    """The distance from the rear to the front wheels decides how far a car steers for a curve. With a wheelbase that is
+    too short, the car steers too little and turns less than commanded.""",
     CAR,
     f"{STEERING}  wheelbase: 1.2",
     f"{STEERING}  wheelbase: 1.5",
@@ -87,8 +88,8 @@ _between(
 _between(
     "WMR043",
     "another lx + ly, or distance of the wheels from the centre",
-    """The yaw rate of a mecanum robot follows from half the wheelbase and half the track together, that of an omni
-    robot from the distance of its wheels from the centre. Both are measured to the middle of the wheel.""",
+    """The yaw rate of a mecanum robot follows from half the wheelbase plus half the track. The yaw rate of an omni
+    robot follows from the distance of its wheels from the centre. Both are measured to the middle of the wheel.""",
     MECANUM,
     "base:\n  type: mecanum_drive_controller/MecanumDriveController\n  kinematics:\n    wheels_radius: 0.1\n"
     "    sum_of_robot_center_projection_on_X_Y_axis: 1.0",
@@ -176,8 +177,8 @@ _between(
     "WMR052",
     "wrong command of a joint",
     """The controller's own formula gives a joint another rate or angle than the robot's inverse kinematics, and no
-    length explains it: lists in another order, an axis that points down, rollers of the other form, an offset of the
-    base frame. Steering controllers take the right joint first.""",
+    length explains it. Usual causes are lists in another order, an axis that points down, rollers of the other form,
+    and an offset of the base frame. Steering controllers take the right joint first.""",
     CAR_WITH_TWO,
     f"{ACKERMANN}  steering_joints_names: [front_left_steer, front_right_steer]",
     f"{ACKERMANN}  steering_joints_names: [front_right_steer, front_left_steer]",

@@ -58,9 +58,9 @@ def _more(subject: Subject, balance: Balance) -> str:
 @rule(
     "WMR021",
     "unequally actuated wheels",
-    """If more joints are driven than the robot has degrees of freedom, their rates must agree, or wheels slide. That
-    is usual, and no finding, if all wheels of one type are driven, as on mecanum bases and skid-steer robots:
-    the report and `actuation` of model.json give the number of surplus motors. If some wheels of a type are
+    """If more joints are driven than the robot has degrees of freedom, their rates must agree, or wheels slide. If
+    all wheels of one type are driven, as on mecanum bases and skid-steer robots, this is usual and not reported.
+    The report and `actuation` of model.json give the number of surplus motors. If some wheels of a type are
     driven and others are not, or if castors are driven that need no motor, an entry of actuated is likely
     missing or superfluous.""",
     """
@@ -152,8 +152,8 @@ def _seen(robot: Robot) -> int:
 @rule(
     "WMR023",
     "motion beyond the steering limits",
-    """The limits of steering exclude a motion that the limits of vx, vy and omega allow: for example an omega that is
-    too large for a car even at its highest speed, or a vy of a base whose wheels do not steer far enough. The
+    """The limits of steering exclude a motion that the limits of vx, vy and omega allow. For example, omega is too
+    large for a car even at its highest speed, or the wheels of a base do not steer far enough for vy. The
     rule also checks that the robot can drive straight on; it cannot if a heading is a quarter turn off.
     Headings half a turn apart are treated as one, because the wheel may roll backwards.""",
     """

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from itertools import combinations
 from math import degrees, pi, tau
 
+from wmrgen.geometry.layout.records import Wheel
 from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.robotfile.numbers import UNITS
 from wmrgen.robotfile.records import Limit, Quantity
@@ -26,6 +27,8 @@ _ANGLES = ("alpha", "beta", "heading", "gamma")
 _NUMBER = re.compile(r"[-+]?[0-9.]+(e[-+]?[0-9]+)?")
 _UNIT = re.compile(r"deg|rad|°|/s")
 _MEANT = re.compile(r"deg|°|/s")  # units of a limit that is surely meant as written
+_LENGTH = re.compile(rf"({_NUMBER.pattern}) *(m|mm|cm|in)?")  # without parameters
+_CHECK = "Check the number and its unit."
 _PI = re.compile(r"pi|π")
 ROUNDED = 2e-3  # [rad]; a turn may be written as 6.28 or 6.2832
 
@@ -73,8 +76,8 @@ def _limits(subject: Subject) -> Iterator[tuple[str, Limit]]:
 @rule(
     "WMR002",
     "implausible limit or lag",
-    """No robot has a steering limit of more than a turn, a body or a steering joint that turns ten times a second, a
-    speed or rim speed above 100 m/s, or a lag above 10 s. Values without a unit are in radians, metres and
+    """No robot has a steering limit of more than a turn, a speed or rim speed above 100 m/s, or a lag above 10 s. No
+    body and no steering joint turns ten times a second. Values without a unit are in radians, metres and
     seconds; degrees, turns per minute, millimetres or milliseconds were likely meant. A joint with a limit of 0
     does not move, and a speed whose acceleration has a limit of 0 never changes.""",
     """
@@ -156,7 +159,7 @@ def huge(subject: Subject) -> Iterator[Finding]:
 def _meant(size: float, least: float = 0.1, most: float = 3.0) -> str:
     """Ask for the unit: those in which a size between ``least`` and ``most`` [m] results."""
     units = [unit for unit in ("mm", "cm", "in") if least <= size * float(UNITS[unit].factor) <= most]
-    return f"Did you mean {' or '.join(units) or 'mm'}? Write the unit."
+    return f"Did you mean {' or '.join(units)}? Write the unit." if units else _CHECK
 
 
 def _lengths(subject: Subject) -> Iterator[tuple[str, Quantity]]:
@@ -172,8 +175,8 @@ def _lengths(subject: Subject) -> Iterator[tuple[str, Quantity]]:
     "WMR004",
     "sizes a hundred times apart",
     """If radii of the wheels and the distance between them differ by more than a factor of 100, they were likely
-    written in different units. The same holds for a contact offset or a roller radius that is larger than the
-    robot or a hundred times smaller than its wheels, and for a trailer that is that small.""",
+    written in different units. The rule also reports a contact offset or a roller radius that is
+    larger than the robot, or a hundred times smaller than its wheels, and a trailer of that size.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
@@ -187,25 +190,53 @@ def sizes(subject: Subject) -> Iterator[Finding]:
         return
     radii = sorted(float(w.nominal.r) for w in wheels)
     usual, extent = radii[len(radii) // 2], subject.extent[0]
-    unit = "Write the unit if it is not metres: 97 mm."
     odd = [w for w in wheels if not 1 / APART < float(w.nominal.r) / usual < APART]
     for w in odd:
         what = f"{w.name}: a radius of {float(w.nominal.r):.4g} m, where other wheels have {usual:.4g} m"
-        yield Finding(subject.mark(w), what, unit)
+        yield Finding(subject.mark(w), what, _other_unit(_radius(subject, w), usual / 5, usual * 5))
     if extent and not odd and not 1 / APART < usual / extent < APART:
         what = f"wheels with a radius of {usual:.4g} m are {extent:.4g} m apart"
-        yield Finding(subject.mark(wheels[0]), what, unit)
+        instead = _other_unit(_radius(subject, wheels[0]), extent / 50, extent / 2)
+        yield Finding(subject.mark(wheels[0]), what, instead)
     for spec, w in subject.wheels:
         for key in ("d", "offset_y", "r_sw"):
             quantity: Quantity | None = getattr(spec, key)
             size = abs(subject.value(quantity)) if quantity else 0.0
             if quantity and size and (size > max(usual, extent) or not size / usual > 1 / APART):
                 what = f"{w.name}: {key} = {quantity.text} is {size:.4g} m, and the radius is {usual:.4g} m"
-                yield Finding(quantity.mark, what, unit)
+                yield Finding(quantity.mark, what, _other_unit(quantity, usual / 10, usual * 3))
     for trailer in subject.spec.trailers:
         if (size := abs(subject.value(trailer.length))) and not size / usual > 1 / APART:
             what = f"{trailer.name}: a length of {size:.4g} m, and wheels have a radius of {usual:.4g} m"
-            yield Finding(trailer.length.mark, what, unit)
+            yield Finding(trailer.length.mark, what, _other_unit(trailer.length, usual, usual * 50))
+
+
+def _radius(subject: Subject, wheel: Wheel) -> Quantity | None:
+    """Return the radius of a wheel as the file has it."""
+    return next((spec.r for spec, w in subject.wheels if w is wheel), None)
+
+
+def _other_unit(quantity: Quantity | None, least: float, most: float) -> str:
+    """Ask for the unit in which the number of the file is a likely length.
+
+    Args:
+        quantity: The length as the file has it.
+        least: The smallest likely length [m].
+        most: The largest likely length [m].
+
+    Returns:
+        The question with the number and each such unit; without one, a request to check the number.
+    """
+    match = _LENGTH.fullmatch(quantity.text) if quantity else None
+    if match is None:
+        return _CHECK
+    number, written = match[1], match[3] or "m"
+    likely = [
+        f"{number} {unit}"
+        for unit in ("m", "cm", "mm", "in")
+        if unit != written and least <= abs(float(number)) * float(UNITS[unit].factor) <= most
+    ]
+    return f"Did you mean {' or '.join(likely)}?" if likely else _CHECK
 
 
 @rule(

@@ -237,8 +237,8 @@ def _doubtful_rank(subject: Subject) -> Iterator[Finding]:
     "layout outside Campion's five types",
     """The fixed axles are not on one line, or steering cannot choose between motions: less than two degrees of
     maneuverability are left, and the robot moves along one fixed curve. In most such files x and y are exchanged, a
-    heading is a quarter turn off, or a wheel that steers has the type fixed. A robot on rails or an axle on a test
-    stand is meant like this: ignore the finding there.""",
+    heading is a quarter turn off, or a wheel that steers has the type fixed. For a
+    robot on rails or an axle on a test bench this is intended: ignore the finding.""",
     """
 wheels:
   - {name: left,  type: fixed, x: 0.2,  y: 0, heading: 0, r: 0.1}

@@ -45,6 +45,7 @@ GROUPS: dict[str, tuple[Verb, ...]] = {
     "Compute": (
         Verb("eval", "evaluate", "Compute a function of a robot's model."),
         Verb("motion", "motion", "Compute where constant wheel speeds take a robot."),
+        Verb("simulate", "simulate", "Drive a robot in simulation; draw its path and play it."),
         Verb("icr", "icr", "Find the centre of rotation of a twist or of steering angles."),
         Verb("rollers", "rollers", "Size the rollers of a mecanum wheel."),
     ),

@@ -55,6 +55,8 @@ def test_steered_wheels_and_trailers_move(tmp_path: Path) -> None:
     root = drawn(tmp_path, ROOT / "robots" / "car_with_trailers.yaml", "--goal", "6,3,0", "--law", "pursuit")
     kinds = [kind for kind, *_ in animations(root)]
     assert kinds.count("translate") == 1 + 2 + 1  # body, trailers, present time
+    words = [text.text for text in root.iter(f"{SVG}text")]
+    assert words.count("trailer1") == words.count("trailer2") == 1  # in the legend of hitch angles
 
 
 def test_several_starts_are_several_robots(tmp_path: Path) -> None:

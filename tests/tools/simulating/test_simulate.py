@@ -157,9 +157,9 @@ def test_trailers_settle_on_the_steady_circle(tmp_path: Path) -> None:
 # ---- Segments: Siegwart figures 3.15 and 3.16.
 
 
-def _world(robot: Model, rows: Sequence[Sequence[float]]) -> list[Phase]:
+def _world(robot: Model, rows: Sequence[Sequence[float]], angles: Mapping[str, float]) -> list[Phase]:
     parts = [Segment("world", tuple(map(_exact, row)), Exact(1)) for row in rows]  # type: ignore[arg-type]
-    now = {w.name: ZERO for w in robot.robot.wheels if w.turns}
+    now = {name.removesuffix(".steer"): _exact(angle) for name, angle in angles.items()}
     return plan(robot.robot, parts, robot.derivation.evaluate, (ZERO, ZERO, ZERO), now)
 
 
@@ -174,7 +174,7 @@ def test_siegwart_figure_3_15(tmp_path: Path) -> None:
     case = CASES["S-F3.15"]
     robot = model(robot_text(layouts.of(case, "polar")[0], polar=True), tmp_path)
     given, expected = case["given"]["segments"], case["expect"]
-    phases = _world(robot, [part["twist_world"] for part in given])
+    phases = _world(robot, [part["twist_world"] for part in given], {})
     drive = simulate(robot, robot.start(poses(), {}), Segments(phases, 0.01))
     for k, pose in enumerate(expected["poses"]):
         np.testing.assert_allclose(drive.pose(100 * k, 0), pose, atol=1e-9)
@@ -185,12 +185,16 @@ def test_siegwart_figure_3_15(tmp_path: Path) -> None:
 
 
 def test_siegwart_figure_3_16(tmp_path: Path) -> None:
-    """Two steered wheels: the same course, with a pause before each segment while the wheels turn at their limit."""
+    """Two steered wheels: the same course, in five phases: the robot stands while the wheels turn at their limit."""
     case = CASES["S-F3.16"]
     text = robot_text(layouts.of(case, "polar")[0], polar=True) + "limits: {steer_rate: 2}\n"
     robot = model(text, tmp_path)
-    phases = _world(robot, [(1, 0, 0), (0, 0, math.pi / 2), (0, 1, 0)])
-    drive = simulate(robot, robot.start(poses(), {}), Segments(phases, 0.01))
+    # Angle 0 of a wheel is its heading for turning on the spot. The drive starts with both wheels along x.
+    headings = case["expect"]["spin_headings_deg"]
+    start = {f"w{k}.steer": -math.radians(angle) for k, angle in enumerate(headings, 1)}
+    phases = _world(robot, [(1, 0, 0), (0, 0, math.pi / 2), (0, 1, 0)], start)
+    assert [p.action for p in phases] == ["drive", "steer", "drive", "steer", "drive"]
+    drive = simulate(robot, robot.start(poses(), start), Segments(phases, 0.01))
     np.testing.assert_allclose(drive.pose(-1, 0), (1, 1, math.pi / 2), atol=1e-9)
     steering = np.abs(np.diff(drive.columns["w1.steer"][:, 0])) > 1e-9
     moving = np.abs(np.diff(drive.columns["x"][:, 0])) + np.abs(np.diff(drive.columns["theta"][:, 0])) > 1e-9
@@ -200,6 +204,7 @@ def test_siegwart_figure_3_16(tmp_path: Path) -> None:
         rates = np.diff(drive.columns[wheel][:, 0]) / np.diff(drive.t[:, 0])
         assert np.abs(rates).max() <= 2 + 1e-9
     waits = [float(p.dt) for p in phases if p.action == "steer"]
+    assert waits == pytest.approx([math.radians(50) / 2] * 2)
     assert drive.t[-1, 0] == pytest.approx(3 + sum(waits))
     # while it turns on the spot, each wheel rolls at l omega
     turning = np.argmax(np.abs(drive.columns["omega"][:, 0]))
@@ -337,6 +342,10 @@ BAD: Mapping[str, Sequence[str]] = {
     "no time": ["--twist", "1,0,0", "--time", "0"],
     "negative step": ["--twist", "1,0,0", "--time", "1", "--step", "-1"],
     "too many steps": ["--twist", "1,0,0", "--time", "1e5"],
+    "too many steps of a segment": ["--twist", "1,0,0", "--time", "1", "--step", "1e-12"],
+    "too many steps to a goal": ["--goal", "1,0,0", "--step", "1e-12"],
+    "no finite number": ["--twist", "1e400,0,0", "--time", "1"],
+    "beyond doubles": ["--twist", "1e300,0,1e300", "--time", "1e300", "--step", "1e300"],
     "circle without a goal": ["--twist", "1,0,0", "--time", "1", "--from", "circle:8"],
     "circle of no robots": ["--goal", "0,0,0", "--from", "circle:0"],
     "circle of a word": ["--goal", "0,0,0", "--from", "circle:many"],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import ceil
 from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
@@ -14,6 +15,7 @@ from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.tools.simulating.model import NAMES, SLIDING, Model, Reals, Twist, Values
 
 _PICO = 12  # digits of a time [s]: sums of steps of 10 ms stay round
+_FITS = 1e-9  # steps: rounding error of a number of steps
 MOST = 200_000  # steps of a drive: half an hour at 10 ms, and about 100 MB of results
 
 
@@ -45,6 +47,16 @@ class Source(Protocol):
         Returns:
             The order; None at the end.
         """
+
+
+def steps_of(seconds: float, step: float) -> int:
+    """Return how many steps of at most ``step`` [s] a time takes. Raise UsageError for more than `MOST`."""
+    count = seconds / step
+    if not count <= MOST:
+        raise UsageError(
+            f"{seconds:g} s are more than {MOST} steps of {step:g} s. Write a shorter time, or a longer --step."
+        )
+    return max(1, ceil(count - _FITS))  # a step that fits up to rounding is not cut
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +106,7 @@ def simulate(model: Model, state: Mapping[str, Reals], source: Source) -> Drive:
         The drive, with a row at the start of each step and one at the end.
 
     Raises:
-        UsageError: if the drive has more than `MOST` steps, or leaves the range of doubles.
+        UsageError: if the drive leaves the range of doubles.
     """
     now = dict(state)
     count = len(now[NAMES[0]])
@@ -102,10 +114,6 @@ def simulate(model: Model, state: Mapping[str, Reals], source: Source) -> Drive:
     rows: list[dict[str, Reals]] = []
     last: dict[str, Reals] = {}
     while (order := source.order(model, t, now)) is not None:
-        if len(rows) >= MOST:
-            raise UsageError(
-                f"the drive has more than {MOST} steps. Write a shorter --time, or a longer --step."
-            )
         joints, twist = _commanded(model, now, order)
         for wheel in model.steered:
             if not order.swings:

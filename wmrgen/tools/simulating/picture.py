@@ -25,8 +25,9 @@ _PATH: Box = (16.0, 26.0, WIDTH - 16.0, 330.0)  # px: the panel of the path
 _PLOT, _GAP = 62.0, 40.0  # px: height of a plot, and space above it for its title and legend
 _LEFT, _RIGHT = 62.0, WIDTH - 16.0  # px: ends of the time axis; numbers are at its left
 _FRAMES = 120  # keyframes of an animation: four a second in the longest one
+_SAMPLE = 10  # keyframes between two outlines that must be inside the picture
 _LONGEST = 30.0  # s: a longer drive is played faster, so that the picture takes this time
-_POINTS = 400  # points of a line: more are not visible on 400 px
+_POINTS = 800  # points of a line: two for each px of the plots, and enough for a path with many turns
 _OUTLINES = 8  # robots along a path; more cover each other
 _ROOM = 1.6  # distance between two robots along a path, in sizes of the robot
 _CONSTANT = 1e-6  # relative: smaller changes are not visible
@@ -98,11 +99,12 @@ def picture(drives: Sequence[Drive], goal: tuple[float, float] | None = None) ->
         curves = [Curve(run, "", run.t, scale * run.column(name), run.colour) for run in runs]
         groups += _plot(title, curves, top, last)
         top += _PLOT + _GAP
-    for title, joint, scale in (
-        ("wheel speeds [rad/s]", "spin", 1.0),
-        ("steering angles [°]", "steer", degrees(1.0)),
-    ):
-        curves = _joints(runs, joint, scale)
+    joints = [
+        ("wheel speeds [rad/s]", _joints(runs, "spin", 1.0)),
+        ("steering angles [°]", _joints(runs, "steer", degrees(1.0))),
+        ("hitch angles [°]", _hitches(runs)),
+    ]
+    for title, curves in joints:
         if curves:
             groups += _plot(title, curves, top, last)
             top += _PLOT + _GAP
@@ -122,10 +124,8 @@ def _course(runs: Sequence[Run], goal: tuple[float, float] | None, last: float) 
     for run in runs:
         path = _thinned(np.stack([run.column("x"), run.column("y")], axis=-1))
         points += [(float(x), float(y)) for x, y in path]
-        for row in (0, -1):
-            pose = run.drive.pose(row, run.start)
-            points += [moved(p, pose) for w in run.drive.model.robot.wheels for p in extremes(w, w.heading)]
-            points += _towed_axles(run, run.t[row])
+        for time in [*_stops(run, len(runs) == 1), *_frames(float(run.t[-1]))[::_SAMPLE]]:
+            points += _outline(run, time)
     view = fitted(points, (_PATH[0] + 6, _PATH[1] + 6, _PATH[2] - 6, _PATH[3] - 34), RIGHT)
     paper = Paper((0.0, 0.0, WIDTH, _PATH[3]))
     elements = [paper.write((_PATH[0], 16.0), "path, seen from above", "title"), *_scale(view, paper)]
@@ -147,6 +147,15 @@ def _course(runs: Sequence[Run], goal: tuple[float, float] | None, last: float) 
         ("", paths),
         (' class="moving"', moving),
     ]
+
+
+def _outline(run: Run, time: float) -> list[Point]:
+    """Return points [m] whose box contains the robot with its trailers at a time."""
+    pose = _pose(run, time)
+    points = _towed_axles(run, time)
+    for w in run.drive.model.robot.wheels:
+        points += [moved(p, pose) for p in extremes(w, w.heading + _steer(run, w, time))]
+    return points
 
 
 def _scale(view: View, paper: Paper) -> list[str]:
@@ -337,6 +346,20 @@ def _joints(runs: Sequence[Run], joint: str, scale: float) -> list[Curve]:
     return curves
 
 
+def _hitches(runs: Sequence[Run]) -> list[Curve]:
+    """Return the angles from each trailer to the vehicle ahead, for the first start of each robot."""
+    curves: list[Curve] = []
+    for run in (run for run in runs if not run.start):
+        ex, ey, _, _ = run.drive.model.leading
+        ahead = run.column("theta") + atan2(ey, ex)
+        for k, trailer in enumerate(run.drive.model.trailers):
+            heading = run.column(f"{trailer}.theta")
+            label = "" if any(curve.name == trailer for curve in curves) else trailer
+            curves.append(Curve(run, label, run.t, np.degrees(ahead - heading), _COLOURS[k % len(_COLOURS)]))
+            ahead = heading
+    return curves
+
+
 def _plot(title: str, curves: Sequence[Curve], top: float, last: float) -> list[Group]:
     """Draw curves over time, with the least and the largest value at the left."""
     low = min(float(curve.values.min()) for curve in curves)
@@ -369,7 +392,8 @@ def _plot(title: str, curves: Sequence[Curve], top: float, last: float) -> list[
 
 def _short(value: float, span: float) -> str:
     """Return the end of an axis, 0 if it is rounding error within the span of the axis."""
-    return f"{value:.3g}".replace("-", "−") if abs(value) > _CONSTANT * span else "0"
+    shown = float(f"{value:.3g}")  # printed in full up to a million
+    return f"{shown:.6g}".replace("-", "−") if abs(value) > _CONSTANT * span else "0"
 
 
 def _legend(curves: Sequence[Curve], x: float, y: float) -> list[str]:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil
 
 import numpy as np
 
 from wmrgen.functions.motion.segments import Phase
 from wmrgen.geometry.ports import TWIST_NAMES
-from wmrgen.tools.simulating.drive import Order
+from wmrgen.tools.simulating.drive import Order, steps_of
 from wmrgen.tools.simulating.model import NAMES, Model, Reals, Twist, Values
 from wmrgen.tools.simulating.table import Table
 
@@ -24,10 +23,11 @@ class Segments:
     def __init__(self, phases: Sequence[Phase], step: float) -> None:
         """Take phases, and the longest step [s]."""
         self._steps: list[tuple[Phase, float, int]] = []  # phase, duration of a step [s], and its number
+        steps_of(sum(float(phase.dt) for phase in phases), step)
         for phase in phases:
             seconds = float(phase.dt)
             if seconds > _INSTANT:
-                count = ceil(seconds / step - 1e-9)  # a step that fits up to rounding is not cut
+                count = steps_of(seconds, step)
                 self._steps += [(phase, seconds / count, k) for k in range(count)]
         self._steps.reverse()
 
@@ -64,6 +64,7 @@ class GoToPose:
     def __init__(self, goal: tuple[float, float, float], step: float, time: float) -> None:
         """Take the goal (x, y [m], theta [rad]), the step [s], and the time [s] after which the robot gives up."""
         self._goal, self._step, self._time = goal, step, time
+        steps_of(time, step)
         self._direction: Reals | None = None
         self.arrived: Reals | None = None
 
@@ -111,6 +112,7 @@ class Pursue:
     def __init__(self, goal: tuple[float, float], speed: float, step: float, time: float) -> None:
         """Take the goal (x, y) [m], the speed [m/s], the step [s] and the time [s] after which the robot gives up."""
         self._goal, self._speed, self._step, self._time = goal, speed, step, time
+        steps_of(time, step)
         self.arrived: Reals | None = None
 
     def order(self, model: Model, t: Reals, state: Values) -> Order | None:
@@ -152,8 +154,9 @@ class Recorded:
         """Take the commands, and the longest step [s]."""
         self._table = table
         self._steps: list[tuple[int, float]] = []  # row, and duration of a step [s]
+        steps_of(float(table.t[-1]), step)
         for row, seconds in enumerate(np.diff(table.t)):
-            count = ceil(float(seconds) / step - 1e-9)
+            count = steps_of(float(seconds), step)
             self._steps += [(row, float(seconds) / count)] * count
         self._steps.reverse()
         self._x: Reals | None = None  # state of the model, for commands in its inputs

@@ -116,8 +116,7 @@ def simulate(model: Model, state: Mapping[str, Reals], source: Source) -> Drive:
     while (order := source.order(model, t, now)) is not None:
         joints, twist = _commanded(model, now, order)
         for wheel in model.steered:
-            if not order.swings:
-                now[f"{wheel}.steer"] = joints[f"{wheel}.steer"]
+            now[f"{wheel}.steer"] = joints[f"{wheel}.steer"]
         last = {**joints, **dict(zip(TWIST_NAMES, twist, strict=True))}
         rows.append({**last, **now, "t": t})
         after = model.moved(now, twist, order.dt) | dict(order.after)

@@ -274,6 +274,7 @@ def test_the_law_is_about_the_axle(tmp_path: Path) -> None:
         drives.append(simulate(robot, robot.start(poses(start), {}), GoToPose((0, 0, 0), 0.01, 2)))
     for wheel in ("left.spin", "right.spin"):
         np.testing.assert_allclose(drives[0].columns[wheel], drives[1].columns[wheel], rtol=1e-9)
+    assert drives[1].columns["slip"].max() < 1e-9
 
 
 def test_the_direction_of_travel_is_kept(tmp_path: Path) -> None:

@@ -409,7 +409,7 @@ def test_wrong_usage_is_refused(name: str, robot_file: Path, monkeypatch: pytest
     [
         "", "t,vx\n", "t,vx\n0,1\n", "vx,omega\n0,1\n1,1\n", "t,vx\n0,1\n0,1\n", "t,vx\n0,one\n1,1\n",
         "t,vx\n0,1,2\n1,1\n", "t,vx\n0,nan\n1,1\n", "t,vx,vx\n0,1,1\n1,1,1\n", "t,speed\n0,1\n1,1\n",
-        "t,left.spin\n0,1\n1,1\n", "t\n0\n1\n",
+        "t,left.spin\n0,1\n1,1\n", "t\n0\n1\n", "t,vx\n0,\0\n1,1\n", "t,vx\n0," + 200_000 * "1" + "\n1,1\n",
     ],
 )  # fmt: skip
 def test_wrong_tables_are_refused(text: str, robot_file: Path) -> None:

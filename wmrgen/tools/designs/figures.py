@@ -109,7 +109,7 @@ def qualities(design: Design) -> Facts:
     except (RobotFileError, NotDerivableError) as error:
         if not design.values:
             raise
-        return facts | {"error": " ".join(str(error).split())}
+        return facts | {"error": str(error).partition("\n")[0]}
     facts["flash"] = design.flash
     return facts
 

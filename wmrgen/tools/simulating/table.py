@@ -45,7 +45,10 @@ def read_table(text: str, file: str, derivation: Derivation) -> Table:
     Raises:
         UsageError: if the text is no such table, or its columns are not the inputs of one kind.
     """
-    rows = [row for row in csv.reader(io.StringIO(text)) if "".join(row).strip()]
+    try:
+        rows = [row for row in csv.reader(io.StringIO(text)) if "".join(row).strip()]
+    except csv.Error as error:
+        raise UsageError(f"{file} is not CSV: {error}. Write t,vx,omega, then rows of numbers.") from None
     if len(rows) < 3:
         raise UsageError(
             f"{file} needs a header, such as t,vx,omega, and at least two rows: each row holds until the time of the "

@@ -138,23 +138,40 @@ class Live {
   }
 
   reset() {
-    this.pose = { x: 0, y: 0, theta: 0 };
+    const { pose, angles } = this.robot.drive ?? { pose: [0, 0, 0], angles: {} };
+    const [x, y, theta] = pose;
+    this.pose = { x, y, theta };
     this.joints = {};
     for (const wheel of this.robot.wheels) {
-      if (wheel.turns) this.joints[`${wheel.name}.steer`] = 0;
+      if (wheel.turns) this.joints[`${wheel.name}.steer`] = angles[`${wheel.name}.steer`] ?? 0;
     }
     for (const name of this.robot.joints) this.joints[name] ??= 0;
     this.turned = Object.fromEntries(this.robot.wheels.map((w) => [w.name, 0]));
-    this.headings = Object.fromEntries(this.robot.trailers.map((t) => [`${t.name}.theta`, this.robot.axle.heading]));
+    const behind = theta + this.robot.axle.heading;
+    this.headings = Object.fromEntries(
+      this.robot.trailers.map((t) => [`${t.name}.theta`, angles[`${t.name}.theta`] ?? behind]),
+    );
     this.trail = [];
-    this.camera = [0, 0];
+    this.camera = [x, y];
     this.stop();
   }
 
   stop() {
+    this.release();
+    this.ask({ vx: 0, vy: 0, omega: 0 });
+  }
+
+  // Follow no path and play no drive.
+  release() {
     this.path = [];
     this.follows = false;
-    this.ask({ vx: 0, vy: 0, omega: 0 });
+    this.played = [];
+  }
+
+  // Play the recorded drive from its start: a list of [seconds, vx, vy, omega].
+  play() {
+    this.reset();
+    this.played = (this.robot.drive?.segments ?? []).map((segment) => [...segment]);
   }
 
   // Command a twist.
@@ -166,8 +183,7 @@ class Live {
 
   // Command one joint; the others keep their values.
   askJoint(name, value) {
-    this.path = [];
-    this.follows = false;
+    this.release();
     this.byTwist = false;
     this.joints[name] = value;
     this.compute();
@@ -193,8 +209,25 @@ class Live {
     }
   }
 
-  // Move for `dt` seconds.
+  // Move for `dt` seconds. A recorded drive is played exactly: its segments end between two frames.
   step(dt) {
+    if (!this.played.length) {
+      this.advance(dt);
+      return;
+    }
+    for (let left = dt; left > 0 && this.played.length; ) {
+      const [seconds, vx, vy, omega] = this.played[0];
+      const part = Math.min(left, seconds);
+      this.ask({ vx, vy, omega });
+      this.advance(part);
+      this.played[0][0] -= part;
+      left -= part;
+      if (this.played[0][0] < 1e-9) this.played.shift(); // s: rounding
+    }
+    if (!this.played.length) this.stop();
+  }
+
+  advance(dt) {
     if (this.follows) this.pursue();
     else this.compute();
     this.tow(dt);
@@ -245,7 +278,7 @@ class Live {
   }
 
   get moves() {
-    return this.follows || Object.values(this.twist).some((v) => Math.abs(v) > 1e-9);
+    return this.follows || this.played.length > 0 || Object.values(this.twist).some((v) => Math.abs(v) > 1e-9);
   }
 
   // The ICR in the robot frame; null if the robot stands still or drives straight ahead.
@@ -275,7 +308,9 @@ class Live {
     this.centre = add(this.body, "circle", { class: "icr", r: 0.07 * this.size }, true);
     this.state = add(root, "p", { class: "state", "aria-live": "off" });
     const buttons = add(root, "div", { class: "buttons" });
-    for (const [name, work] of [["Stop", (m) => m.stop()], ["Start again", (m) => m.reset()]]) {
+    const works = [["Stop", (m) => m.stop()], ["Start again", (m) => m.reset()]];
+    if (this.robot.drive) works.unshift(["Play the drive", (m) => m.play()]);
+    for (const [name, work] of works) {
       const button = add(buttons, "button", { type: "button" });
       button.textContent = name;
       button.addEventListener("click", () => this.each(work));
@@ -305,7 +340,7 @@ class Live {
     const output = add(label, "output", { "data-name": name });
     input.addEventListener("input", () => {
       const value = Math.abs(input.valueAsNumber) < (max - min) / 300 ? 0 : input.valueAsNumber;
-      if (kind === "twist") this.each((m) => ((m.follows = false), (m.path = []), m.ask({ ...m.asked, [name]: value })));
+      if (kind === "twist") this.each((m) => (m.release(), m.ask({ ...m.asked, [name]: value })));
       else {
         this.askJoint(name, value);
         this.draw();
@@ -416,6 +451,7 @@ if (parent) {
   const lives = data.map((robot, k) => new Live(parent, robot, robots[k], size));
   for (const live of lives) {
     live.mates = lives;
+    live.play();
     live.draw();
   }
   parent.lives = lives; // for the console

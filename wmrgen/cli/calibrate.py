@@ -81,7 +81,7 @@ def calibrate(
     """
     from wmrgen.tools.calibration.calibrate import calibrate as estimate
     from wmrgen.tools.calibration.calibrate import increments_of
-    from wmrgen.tools.calibration.workers import cluster, pool, serial
+    from wmrgen.tools.workers import cluster, pool, serial
 
     with console.progress() as step:
         step(f"deriving {robot}")

@@ -45,6 +45,7 @@ GROUPS: dict[str, tuple[Verb, ...]] = {
     "Compute": (
         Verb("eval", "evaluate", "Compute a function of a robot's model."),
         Verb("motion", "motion", "Compute where constant wheel speeds take a robot."),
+        Verb("simulate", "simulate", "Drive a robot in simulation; draw its path and play it."),
         Verb("icr", "icr", "Find the centre of rotation of a twist or of steering angles."),
         Verb("rollers", "rollers", "Size the rollers of a mecanum wheel."),
     ),
@@ -54,6 +55,7 @@ GROUPS: dict[str, tuple[Verb, ...]] = {
         Verb("functions", "functions", "List the functions that a robot has."),
         Verb("lint", "lint", "Report likely mistakes in robot files."),
         Verb("explain", "explain", "Explain a finding, with a wrong and a right example."),
+        Verb("designs", "designs", "Compare designs side by side, and sweep over their parameters."),
         Verb("compare", "compare", "Compare descriptions of one robot, and what differences do to its motion."),
         Verb("prove", "prove", "Prove ranges and rounding errors of the generated C."),
         Verb("stability", "stability", "Compute the margin before a robot tips over."),

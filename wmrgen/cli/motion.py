@@ -53,7 +53,7 @@ def motion(
         if segments is None:
             result = _constant(derivation, [*(values or ()), f"dt={time}"])
         else:
-            result = _segments(derivation, values or (), segments)
+            result = {"phases": [_phase(p) for p in planned(derivation, values or (), segments)]}
     if as_json:
         console.data(result)
     elif segments is None:
@@ -93,8 +93,17 @@ def _constant(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     return result
 
 
-def _segments(derivation: Derivation, words: Sequence[str], file: str) -> dict[str, Any]:
-    """Return the phases of the segments of a file, from the start pose and steering angles in ``words``."""
+def planned(derivation: Derivation, words: Sequence[str], file: str) -> list[Phase]:
+    """Return the phases of the segments of a file, and print what is remarkable about them.
+
+    Args:
+        derivation: The robot.
+        words: Start pose (x y theta) and steering angles, as NAME=VALUE.
+        file: The path of the file, ``-`` for standard input.
+
+    Raises:
+        UsageError: If the file has no segments, or the wheels forbid one of them.
+    """
     from wmrgen.functions.motion.segments import forbidden, plan, segment
 
     robot = derivation.robot
@@ -121,7 +130,7 @@ def _segments(derivation: Derivation, words: Sequence[str], file: str) -> dict[s
         console.note(
             f"{robot.name}: there is no steer_rate limit, so steering takes no time. Write limits: {{steer_rate: …}}"
         )
-    return {"phases": [_phase(p) for p in phases]}
+    return phases
 
 
 def _phase(p: Phase) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from tests.conftest import Outcome
 from tests.tools.calibration.drives import derived, written
 from tests.tools.calibration.simulated import LAYOUTS, Encoders, Tracker
 from wmrgen.tools.calibration.calibrate import Calibration, calibrate
-from wmrgen.tools.calibration.workers import cluster, pool, serial
+from wmrgen.tools.workers import cluster, pool, serial
 
 pytestmark = pytest.mark.slow
 

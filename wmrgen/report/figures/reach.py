@@ -54,6 +54,11 @@ def reach(derivation: Derivation) -> Figure | None:
     return figure(FILE, alt, 66 + _SIZE + _ROW * len(words), [*groups, ("", below)])
 
 
+def largest_factor(robot: Robot, twist: Twist) -> float:
+    """Return the factor by which a twist may be multiplied until it reaches a limit; infinity without limits."""
+    return _most(_measures(robot), twist)[0]
+
+
 def _one_sided(robot: Robot) -> bool:
     """Return whether a limit does not allow standstill."""
     limits = [limit for name in NAMES if (limit := robot.limits.get(name))]

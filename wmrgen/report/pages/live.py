@@ -78,8 +78,14 @@ def _towing(derivation: Derivation) -> Motion | None:
         return None
 
 
-def _towed(derivation: Derivation, motion: Motion) -> Function:
-    """Return ``towed``, the yaw rates of trailers from the twist of P and all headings (Tzafestas (2.70))."""
+def towed(derivation: Derivation) -> Function | None:
+    """Return ``towed``, the yaw rates of trailers from the twist of P and all headings (Tzafestas (2.70)).
+
+    It is None if no trailer follows: see `_towing`.
+    """
+    motion = _towing(derivation)
+    if motion is None:
+        return None
     robot, headings = motion.robot, state_ports(motion.robot.trailers)
     rates = turns(motion, derivation.driven.mobility)
     formula = Locals().formula(
@@ -93,6 +99,6 @@ def _towed(derivation: Derivation, motion: Motion) -> Function:
 def code(derivation: Derivation) -> str:
     """Return the functions that drive the robot, as a JavaScript expression."""
     module = select(derivation.without_gyro.module, {name: name for name in FUNCTIONS})
-    if motion := _towing(derivation):
-        module = replace(module, functions=(*module.functions, _towed(derivation, motion)))
+    if trailers := towed(derivation):
+        module = replace(module, functions=(*module.functions, trailers))
     return str(BACKENDS["javascript"].offers("expression")(module))

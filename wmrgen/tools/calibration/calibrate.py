@@ -35,7 +35,7 @@ from wmrgen.tools.calibration.reading import Recording, Source, read, recordings
 from wmrgen.tools.calibration.result import Alternative, Calibration, Verdict
 from wmrgen.tools.calibration.slips import Slip
 from wmrgen.tools.calibration.turns import Hypothesis
-from wmrgen.tools.calibration.workers import Map, serial
+from wmrgen.tools.workers import Map, serial
 
 FOLDS = 5  # parts that logs are left out in, one after the other
 SHORT = 20.0  # [s] of a leg in the first fit: odometry with parameters 10 % off still follows it

@@ -1,7 +1,6 @@
-"""Where logs are read and thinned: in this process, in a pool of processes, or on a Dask cluster.
+"""Where many items are worked on: in this process, in a pool of processes, or on a Dask cluster.
 
-A worker reads one log and returns it thinned, a few kilobytes for a minute of driving. What is computed from it is the
-same wherever it was read, so results are equal to the last bit.
+Results are equal to the last bit, wherever they are computed.
 """
 
 from __future__ import annotations

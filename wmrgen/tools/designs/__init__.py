@@ -1,0 +1,1 @@
+"""Compare designs of robots: layouts side by side, and sweeps over their parameters."""

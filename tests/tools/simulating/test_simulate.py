@@ -23,7 +23,7 @@ from wmrgen.tools.simulating.model import Model, Reals, Values
 from wmrgen.tools.simulating.sources import GoToPose, Pursue, Recorded, Segments
 from wmrgen.tools.simulating.table import read_table
 
-CASES = {c["id"]: c for c in json.loads((ROOT / "tests" / "seeds" / "cases.json").read_text())["cases"]}
+CASES = {c["id"]: c for c in json.loads((ROOT / "textbook" / "cases.json").read_text())["cases"]}
 NEEDED = ("inverse", "forward", "odometry", "odometry_increment")
 BLIND = {"office_chair", "textbook_omni_steer", "unicycle"}  # their joints do not determine every motion
 SEEING = [path for path in GALLERY if path.stem not in BLIND]

@@ -61,6 +61,7 @@ class Facts:
     ] = ()  # numbers of the robot file: name (left.radius), value, text
     # Joint of the module (left.spin) -> its name in ROS, and the sign of its rotation there.
     joint_names: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+    motors: frozenset[str] = frozenset()  # joints of the module that have a motor
     frame: str = ""  # name of the robot frame in ROS
     site: Site = NO_SITE  # what the robot file says about inputs
     # Options of the backend that the user chose.

@@ -101,9 +101,11 @@ PACKAGES = {
             (
                 File("CMakeLists.txt"),
                 File("package.xml", escape),
+                File("node/{robot}_bridge.h"),
                 File("node/{robot}_bridge.c"),
                 File("node/{robot}_core.py"),
                 File("node/{robot}_node.py"),
+                File("controller/{robot}_core.hpp"),
                 _README,
             ),
             context=ros2.context,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping, Sequence
 from math import inf, isfinite
@@ -24,15 +25,20 @@ def context(module: Module, facts: Facts) -> Mapping[str, object]:
     """Return the variables of the templates for a robot.
 
     ``core_joints`` has for each joint its name in ROS, the field of a joint state, whether it must be measured, whether
-    the robot drives it, and the sign of its rotation in ROS.
+    `inverse` computes it, and the sign of its rotation in ROS. ``cpp_joints`` has the same for C++, but it says whether
+    the joint has a motor.
     """
     steps = loop(module, str(facts.options["scalar"]))
     driven = {port.name for port in module.function("inverse").outputs}
-    joints = []
+    joints, cpp_joints = [], []
     for name in module.joints or ():
-        joint = name.rpartition(".")[2]
+        field = _FIELDS[name.rpartition(".")[2]]
         ros_name, sign = facts.joint_names[name]
-        joints.append((ros_name, _FIELDS[joint], name in steps.measured, name in driven, sign))
+        measured, motor = name in steps.measured, name in driven and name in facts.motors
+        joints.append((ros_name, field, measured, name in driven, sign))
+        cpp_joints.append(
+            f"{{ {_quoted(ros_name)}, Interface::{field}, {_cpp(measured)}, {_cpp(motor)}, {sign:+.1f} }}"
+        )
     tunable = _tunables(module)
     return {
         "ros": f"{module.name.lower()}_kinematics",
@@ -41,6 +47,10 @@ def context(module: Module, facts: Facts) -> Mapping[str, object]:
         "core_limits": _limits(facts),
         "tunables": repr(tunable),
         "frame": repr(facts.frame),
+        "cpp_joints": cpp_joints,
+        "cpp_limits": _cpp_limits(facts),
+        "cpp_tunables": [f"{{ {_quoted(name)}, {nominal!r} }}" for name, nominal in tunable.items()],
+        "cpp_frame": _quoted(facts.frame),
         "covariance": steps.covariance,
         "variables": list(steps.variables.items()),
         "gyro": GYRO.name in steps.variables,
@@ -54,6 +64,15 @@ def context(module: Module, facts: Facts) -> Mapping[str, object]:
         "results": _results(steps.covariance),
         "variance_readme": _VARIANCES_PROPAGATED if steps.covariance else _VARIANCES_GIVEN,
     }
+
+
+def _quoted(text: str) -> str:
+    """Return a string literal of C++."""
+    return json.dumps(text)
+
+
+def _cpp(condition: bool) -> str:
+    return "true" if condition else "false"
 
 
 def _of_state(call: Call, ending: str = "") -> str:
@@ -77,6 +96,17 @@ def _limits(facts: Facts) -> str:
         ends = [repr(end) if isfinite(end) else str(end).replace("inf", "math.inf") for end in (low, high)]
         entries.append(f'"{name}": ({ends[0]}, {ends[1]})')
     return f"{{{', '.join(entries)}}}"
+
+
+def _cpp_limits(facts: Facts) -> list[str]:
+    """Return the limits of the twist as initializers of C++."""
+    infinity = "std::numeric_limits<double>::infinity()"
+    lines = []
+    for name in TWIST_NAMES:
+        ends = facts.site.limits.get(name, (-inf, inf))
+        low, high = (repr(end) if isfinite(end) else str(end).replace("inf", infinity) for end in ends)
+        lines.append(f"{{ {low}, {high} }}")
+    return lines
 
 
 def _results(covariance: bool) -> Sequence[str]:

@@ -51,6 +51,9 @@ def context(module: Module, facts: Facts) -> Mapping[str, object]:
         "cpp_limits": _cpp_limits(facts),
         "cpp_tunables": [f"{{ {_quoted(name)}, {nominal!r} }}" for name, nominal in tunable.items()],
         "cpp_frame": _quoted(facts.frame),
+        "yaml_joints": [_quoted(joint[0]) for joint in joints],
+        "yaml_limits": _yaml_limits(facts),
+        "yaml_tunables": [(name, repr(nominal)) for name, nominal in tunable.items()],
         "covariance": steps.covariance,
         "variables": list(steps.variables.items()),
         "gyro": GYRO.name in steps.variables,
@@ -67,7 +70,7 @@ def context(module: Module, facts: Facts) -> Mapping[str, object]:
 
 
 def _quoted(text: str) -> str:
-    """Return a string literal of C++."""
+    """Return a string literal of C++ and YAML."""
     return json.dumps(text)
 
 
@@ -107,6 +110,16 @@ def _cpp_limits(facts: Facts) -> list[str]:
         low, high = (repr(end) if isfinite(end) else str(end).replace("inf", infinity) for end in ends)
         lines.append(f"{{ {low}, {high} }}")
     return lines
+
+
+def _yaml_limits(facts: Facts) -> list[tuple[str, str]]:
+    """Return the name and the largest magnitude of each limit of the twist that the robot file has."""
+    found = []
+    for name in TWIST_NAMES:
+        low, high = facts.site.limits.get(name, (-inf, inf))
+        if isfinite(max(-low, high)):
+            found.append((name, repr(max(-low, high))))
+    return found
 
 
 def _results(covariance: bool) -> Sequence[str]:

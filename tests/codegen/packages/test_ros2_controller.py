@@ -1,0 +1,292 @@
+"""The controller for ros2_control, with the message headers of ROS 2 and stand-ins for the headers of ros2_control.
+
+The stand-ins in ``stubs/ros2`` state only what the controller uses, with the signatures of Kilted. A program
+takes the place of the controller manager: it calls the functions of the lifecycle, and updates the controller.
+Expected: the closed form of a figure of eight, and what the documentation says about each fault.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import xml.etree.ElementTree
+from collections.abc import Callable, Sequence
+from functools import cache
+from math import nan, pi, remainder
+from pathlib import Path
+
+import pytest
+import yaml
+
+from tests.codegen.packages.eight import ROBOTS, figure_of_eight
+from tests.codegen.packages.made import files_of, of_gallery, run
+from tests.codegen.packages.test_ros2 import PAIR, TUNABLE
+from tests.codegen.packages.test_ros2_run import ros_python
+from tests.conftest import ROOT, put
+from tests.depth import GALLERY
+from tests.external_tools import missing, need
+from wmrgen import derive, load
+
+HERE = Path(__file__).parent
+WARNINGS = ("-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
+SECOND = 1_000_000_000  # ns
+SUCCESS, ERROR = "result 97", "result 99"  # CallbackReturn of rclcpp_lifecycle
+START = ["init", "configure", "activate"]
+
+
+def includes() -> list[str]:
+    """Return the options that name the folders of headers: stand-ins, and messages of ROS."""
+    headers = Path(ros_python()).parent.parent / "include"
+    if not (headers / "nav_msgs" / "nav_msgs").is_dir():
+        missing("the message headers of ROS 2 are not installed")
+    folders = sorted(folder for folder in headers.iterdir() if folder.is_dir())
+    return ["-I", str(HERE / "stubs" / "ros2"), *(f"-isystem{folder}" for folder in folders)]
+
+
+def manager_of(folder: Path, robot: Path) -> Path:
+    """Return the program that is the controller manager of a robot file's controller."""
+    need("gcc", "g++")
+    name = robot.stem
+    put(folder, files_of(robot, "ros2", scalar="double"))
+    sources = [str(path) for path in (folder / "src").glob("*.c")]
+    run(folder, "gcc", "-std=c99", "-O1", "-ffp-contract=off", "-c", f"node/{name}_bridge.c", *sources)
+    words = [
+        f'-DCONTROLLER="{folder}/controller/{name}_controller.hpp"',
+        f"-DROBOT={name.lower()}_kinematics",
+    ]
+    files = [f"controller/{name}_controller.cpp", HERE / "controller_driver.cpp"]
+    objects = [path.name for path in folder.glob("*.o")]
+    run(folder, "g++", *WARNINGS, "-O0", *includes(), *words, *files, *objects, "-o", "manager")
+    return folder / "manager"
+
+
+def managed(manager: Path, steps: Sequence[str]) -> list[list[str]]:
+    """Return the lines that a controller manager prints in each step."""
+    done = subprocess.run([manager], input="\n".join(steps), capture_output=True, text=True, check=True)
+    printed = [text.splitlines() for text in done.stdout.split("end\n")]
+    assert len(printed) == len(steps) + 1
+    return printed[:-1]
+
+
+@pytest.fixture(scope="module")
+def pair(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """A function that returns the controller manager of a differential drive from the text of its robot file."""
+
+    @cache
+    def made(text: str = PAIR) -> Path:
+        folder = tmp_path_factory.mktemp("pair")
+        (folder / "pair.yaml").write_text(text)
+        return manager_of(folder, folder / "pair.yaml")
+
+    return made
+
+
+def update(time: float) -> str:
+    """Return the step of an update at a time [s]."""
+    return f"update {round(time * SECOND)}"
+
+
+def states(left: object, right: object) -> list[str]:
+    """Return the steps that set the speeds of both wheels [rad/s]."""
+    return [f"state left_spin/velocity {left}", f"state right_spin/velocity {right}"]
+
+
+def commanded(lines: Sequence[str]) -> list[float]:
+    """Return the commands in the lines of an update."""
+    return [float(line.split()[2]) for line in lines if line.startswith("command ")]
+
+
+def logged(printed: Sequence[Sequence[str]]) -> list[str]:
+    """Return the lines of the log."""
+    lines = [line for lines in printed for line in lines]
+    return [line for line in lines if line.startswith("log ")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", sorted(GALLERY - {"office_chair"}))
+def test_the_controller_of_every_robot_is_well_typed(robot: str, tmp_path: Path) -> None:
+    """The chair has neither motors nor sensors, so it has no controller."""
+    need("g++")
+    put(tmp_path, of_gallery(robot, "ros2"))
+    run(tmp_path, "g++", "-fsyntax-only", *WARNINGS, *includes(), f"controller/{robot}_controller.cpp")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_a_figure_of_eight_under_a_controller_manager(robot: str, tmp_path: Path) -> None:
+    path = ROOT / "robots" / f"{robot}.yaml"
+    manager = manager_of(tmp_path, path)
+    steps = ["parameter long_step number 100", "parameter longest_step number 100", *START]
+    moments = {}
+    derivation = derive(load(path))
+    for moment in figure_of_eight(derivation, *ROBOTS[robot]):
+        for name, value in moment.joints.items():
+            field = {"spin": "velocity", "steer": "position", "steer_rate": "velocity"}[
+                name.rpartition(".")[2]
+            ]
+            joint = name.replace(".", "_").removesuffix("_rate")
+            steps.append(f"state {joint}/{field} {value!r}")
+        moments[len(steps)] = moment
+        steps.append(f"update {moment.time}")
+    printed = managed(manager, steps)
+    assert [SUCCESS in lines for lines in printed[2:5]] == [True] * 3 and not logged(printed)
+    for k, moment in list(moments.items())[1:]:
+        (odometry,) = [line.split()[1:] for line in printed[k] if line.startswith("odometry ")]
+        (transform,) = [line.split()[1:] for line in printed[k] if line.startswith("transform ")]
+        assert odometry[:2] == ["odom", derivation.robot.frame]
+        assert int(odometry[2]) * SECOND + int(odometry[3]) == moment.time
+        assert [float(value) for value in odometry[4:6]] == pytest.approx(moment.pose[:2], abs=1e-6)
+        assert abs(remainder(float(odometry[6]) - moment.pose[2], 2 * pi)) < 1e-6
+        assert [float(value) for value in odometry[7:10]] == pytest.approx(moment.twist, abs=1e-9)
+        assert transform == odometry[:7]
+
+
+@pytest.mark.slow
+def test_interfaces_have_the_names_of_joints_and_references(pair: Callable[..., Path]) -> None:
+    printed = managed(pair(), [*START])[-1]
+    assert "commands left_spin/velocity right_spin/velocity" in printed
+    assert "states left_spin/velocity right_spin/velocity" in printed
+    references = [line.split()[1] for line in printed if line.startswith("reference ")]
+    assert references == ["wheels/linear/x/velocity", "wheels/linear/y/velocity", "wheels/angular/z/velocity"]
+    renamed = managed(pair(), ["parameter joints texts l r", *START])[-1]
+    assert "commands l/velocity r/velocity" in renamed
+
+
+@pytest.mark.slow
+def test_joints_that_the_hardware_lacks_are_named(pair: Callable[..., Path]) -> None:
+    printed = managed(pair(), ["hardware left_spin/velocity", *START])
+    assert ERROR in printed[-1]
+    (line,) = logged(printed)
+    assert "right_spin/velocity" in line and "left_spin" not in line
+
+
+@pytest.mark.slow
+def test_commands_follow_cmd_vel_its_limits_and_its_timeout(pair: Callable[..., Path]) -> None:
+    radius, half = 0.0975, 0.1655
+    steps = [
+        *START,
+        "cmd_vel 0.9 0 0",
+        update(1.0),
+        *states(nan, nan),
+        update(1.01),
+        *states(0, 0),
+        update(1.02),
+    ]
+    steps += [
+        "cmd_vel 0.5 0 0.25",
+        update(1.03),
+        "cmd_vel 1.01 0 0.505",
+        update(1.04),
+        update(1.5),
+        update(1.55),
+    ]
+    steps += ["cmd_vel nan 0 0", update(7.0), "cmd_vel 0.5 0 0.25", update(7.1), "deactivate"]
+    printed = managed(pair(), steps)
+    updates = [
+        commanded(lines) for step, lines in zip(steps, printed, strict=True) if step.startswith("update")
+    ]
+    wanted = [(0.5 - half * 0.25) / radius, (0.5 + half * 0.25) / radius]
+    # Nothing is written before the joints have come.
+    assert all(value != value for value in updates[0] + updates[1])
+    assert updates[2] == pytest.approx([0.9 / radius] * 2)
+    assert updates[3] == pytest.approx(wanted)
+    assert updates[4] == updates[5] == pytest.approx([2 * value for value in wanted])
+    assert updates[6] == updates[7] == [0.0, 0.0]
+    assert updates[8] == pytest.approx(wanted)
+    assert commanded(printed[-1]) == [0.0, 0.0]
+    words = ["left_spin is not a number", "beyond the limits", "no command", "command is not a number"]
+    lines = logged(printed)
+    assert [sum(word in line for line in lines) for word in words] == [1] * 4
+
+
+@pytest.mark.slow
+def test_a_state_that_is_locked_is_integrated_later(pair: Callable[..., Path]) -> None:
+    steps = [*START, *states(1, 1), update(1.0), "state left_spin/velocity -", update(1.05)]
+    steps += ["state left_spin/velocity 1", update(1.09)]
+    printed = managed(pair(), steps)
+    assert not any(line.startswith("odometry") for line in printed[-3])
+    (odometry,) = [line.split() for line in printed[-1] if line.startswith("odometry")]
+    assert float(odometry[5]) == pytest.approx(0.09 * 0.0975) and not logged(printed)
+
+
+@pytest.mark.slow
+def test_a_preceding_controller_gives_the_reference_instead_of_the_topic(pair: Callable[..., Path]) -> None:
+    steps = ["init", "configure", "chain 1", "activate", *states(0, 0), update(1.0)]
+    steps += ["cmd_vel 0.9 0 0", update(1.1), "reference 0.195 0 0", update(1.2), update(1.3), update(1.8)]
+    steps += ["reference 0.195 nan 0", update(1.9), "chain 0", "activate", *states(0, 0), update(2.0)]
+    printed = managed(pair(), steps)
+    updates = [
+        commanded(lines) for step, lines in zip(steps, printed, strict=True) if step.startswith("update")
+    ]
+    moving = pytest.approx([2.0, 2.0])
+    assert updates == [[0.0, 0.0], [0.0, 0.0], moving, moving, [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]]
+
+
+@pytest.mark.slow
+def test_parameters_change_while_the_controller_runs_and_wrong_ones_are_refused(
+    pair: Callable[..., Path],
+) -> None:
+    steps = [
+        *START,
+        *states(1, 1),
+        update(1.0),
+        "set tunable.radius 0.1",
+        "set tunable.radius 1",
+        "set limit.vx nan",
+    ]
+    steps += ["set limit.vx 0.2", update(1.1), "cmd_vel 1 0 0", update(1.2)]
+    printed = managed(pair(TUNABLE.replace("r: 0.0975", "r: radius")), steps)
+    accepted = [lines[0] for step, lines in zip(steps, printed, strict=True) if step.startswith("set")]
+    assert accepted == ["set 1", "set 0", "set 0", "set 1"]
+    (odometry,) = [line.split() for line in printed[-3] if line.startswith("odometry")]
+    assert float(odometry[5]) == pytest.approx(0.01)
+    assert commanded(printed[-1]) == pytest.approx([2.0, 2.0])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "wrong",
+    ["joints texts left_spin", "cmd_timeout number -1", "tunable.radius number 1", "cmd_timeout text now"],
+)
+def test_parameters_that_are_wrong_at_the_start_are_refused(wrong: str, pair: Callable[..., Path]) -> None:
+    printed = managed(
+        pair(TUNABLE.replace("r: 0.0975", "r: radius")), [f"parameter {wrong}", "init", "configure"]
+    )
+    assert ERROR in printed[-1] and logged(printed)
+
+
+def test_the_plugin_file_and_the_parameters_name_the_class() -> None:
+    files = of_gallery("pioneer3dx", "ros2")
+    library = xml.etree.ElementTree.fromstring(files["pioneer3dx_controller.xml"])
+    (plugin,) = library
+    base = "controller_interface::ChainableControllerInterface"
+    assert library.get("path") == "pioneer3dx_controller" and plugin.get("base_class_type") == base
+    assert (
+        f"PLUGINLIB_EXPORT_CLASS({plugin.get('type')}, {base})"
+        in files["controller/pioneer3dx_controller.cpp"].decode()
+    )
+    config = yaml.safe_load(files["config/pioneer3dx_controllers.yaml"])
+    assert config["controller_manager"]["ros__parameters"]["pioneer3dx_controller"]["type"] == plugin.get(
+        "name"
+    )
+
+
+@pytest.mark.parametrize("robot", ["pioneer3dx", "nomad_xr4000", "jpl_osr"])
+def test_the_parameters_are_those_that_the_controller_declares(robot: str) -> None:
+    files = of_gallery(robot, "ros2")
+    parameters = yaml.safe_load(files[f"config/{robot}_controllers.yaml"])[f"{robot}_controller"][
+        "ros__parameters"
+    ]
+    source = files[f"controller/{robot}_controller.cpp"].decode()
+    declared = set(re.findall(r'auto_declare<[^(]*>\("([a-z_]+)"', source)) | set(
+        re.findall(r'"(limit\.\w+)"', source)
+    )
+    tunables = {name for name in parameters if name.startswith("tunable.")}
+    assert set(parameters) - tunables <= declared
+    core = files[f"controller/{robot}_core.hpp"].decode()
+    assert all(f'{{ "{name.removeprefix("tunable.")}", ' in core for name in tunables)
+    assert len(parameters["joints"]) == core.count(", Interface::")
+    for name, value in parameters.items():
+        assert isinstance(value, float) or name in {
+            "joints", "odom_frame", "base_frame", "publish_tf", "pose_variance", "twist_variance"
+        }  # fmt: skip

@@ -40,7 +40,7 @@ def includes() -> list[str]:
     if not (headers / "nav_msgs" / "nav_msgs").is_dir():
         missing("the message headers of ROS 2 are not installed")
     folders = sorted(folder for folder in headers.iterdir() if folder.is_dir())
-    return ["-I", str(HERE / "stubs" / "ros2"), *(f"-isystem{folder}" for folder in folders)]
+    return [f"-I{HERE / 'stubs' / 'ros2'}", *(f"-isystem{folder}" for folder in folders)]
 
 
 def manager_of(folder: Path, robot: Path) -> Path:
@@ -253,6 +253,43 @@ def test_parameters_that_are_wrong_at_the_start_are_refused(wrong: str, pair: Ca
         pair(TUNABLE.replace("r: 0.0975", "r: radius")), [f"parameter {wrong}", "init", "configure"]
     )
     assert ERROR in printed[-1] and logged(printed)
+
+
+def write_cmake_packages(folder: Path) -> None:
+    """Write CMake packages of ROS: their targets have the headers of `includes`."""
+    names = "controller_interface geometry_msgs hardware_interface nav_msgs pluginlib rcl_interfaces rclcpp "
+    names += "rclcpp_lifecycle realtime_tools tf2_msgs"
+    flags = ";".join(word for word in includes() if word != "-I").replace(
+        str(HERE / "stubs"), f"-I{HERE / 'stubs'}"
+    )
+    for name in names.split():
+        lines = [f"add_library({name}::{name} INTERFACE IMPORTED)"]
+        lines += [f'set_target_properties({name}::{name} PROPERTIES INTERFACE_COMPILE_OPTIONS "{flags}")']
+        lines += [f"set({name}_TARGETS {name}::{name})"]
+        if name == "pluginlib":
+            lines += ["function(pluginlib_export_plugin_description_file category file)"]
+            lines += [
+                "  install(FILES ${file} DESTINATION share/${PROJECT_NAME}/${category})",
+                "endfunction()",
+            ]
+        put(folder / name, {f"{name}Config.cmake": "\n".join(lines).encode()})
+
+
+@pytest.mark.slow
+def test_cmake_builds_and_installs_the_plugin_where_ros2_control_is_found(tmp_path: Path) -> None:
+    need("cmake", "gcc", "g++", "nm")
+    put(tmp_path, of_gallery("wpilib_swervebot", "ros2"))
+    write_cmake_packages(tmp_path / "ros")
+    prefix = f"-DCMAKE_PREFIX_PATH={HERE / 'stubs' / 'cmake'};{tmp_path / 'ros'}"
+    run(tmp_path, "cmake", "-B", "build", prefix, "-DCMAKE_INSTALL_PREFIX=out", "-DBUILD_TESTING=OFF")
+    run(tmp_path, "cmake", "--build", "build")
+    run(tmp_path, "cmake", "--install", "build")
+    library = tmp_path / "out" / "lib" / "libwpilib_swervebot_controller.so"
+    unresolved = [line.split()[-1] for line in run(tmp_path, "nm", "-u", "-C", library).splitlines()]
+    assert not [name for name in unresolved if "wpilib" in name]
+    share = tmp_path / "out" / "share" / "wpilib_swervebot_kinematics"
+    assert (share / "controller_interface" / "wpilib_swervebot_controller.xml").exists()
+    assert (share / "config" / "wpilib_swervebot_controllers.yaml").exists()
 
 
 def test_the_plugin_file_and_the_parameters_name_the_class() -> None:

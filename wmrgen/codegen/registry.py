@@ -63,6 +63,7 @@ class Facts:
     joint_names: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     motors: frozenset[str] = frozenset()  # joints of the module that have a motor
     frame: str = ""  # name of the robot frame in ROS
+    robot_type: tuple[int, int] | None = None  # degrees of mobility and steerability; None: degenerate
     site: Site = NO_SITE  # what the robot file says about inputs
     # Options of the backend that the user chose.
     options: Mapping[str, str | bool] = field(default_factory=dict)

@@ -110,6 +110,7 @@ def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:
         joint_names=joint_names(derivation.robot),
         motors=motors(derivation.robot),
         frame=derivation.robot.frame,
+        robot_type=derivation.mobility.robot_type,
         site=where,
         constants=constants(derivation.robot, where),
         vectors=derivation.vector_forms,

@@ -255,41 +255,64 @@ def test_parameters_that_are_wrong_at_the_start_are_refused(wrong: str, pair: Ca
     assert ERROR in printed[-1] and logged(printed)
 
 
-def write_cmake_packages(folder: Path) -> None:
+ROS_PACKAGES = (
+    "controller_interface", "geometry_msgs", "hardware_interface", "nav_msgs", "pluginlib", "rcl_interfaces", "rclcpp",
+    "rclcpp_lifecycle", "realtime_tools", "tf2_msgs", "nav2_mppi_controller",
+)  # fmt: skip
+
+
+def write_cmake_packages(folder: Path, nav2_version: str) -> None:
     """Write CMake packages of ROS: their targets have the headers of `includes`."""
-    names = "controller_interface geometry_msgs hardware_interface nav_msgs pluginlib rcl_interfaces rclcpp "
-    names += "rclcpp_lifecycle realtime_tools tf2_msgs"
-    flags = ";".join(word for word in includes() if word != "-I").replace(
-        str(HERE / "stubs"), f"-I{HERE / 'stubs'}"
-    )
-    for name in names.split():
-        lines = [f"add_library({name}::{name} INTERFACE IMPORTED)"]
-        lines += [f'set_target_properties({name}::{name} PROPERTIES INTERFACE_COMPILE_OPTIONS "{flags}")']
-        lines += [f"set({name}_TARGETS {name}::{name})"]
+    flags = ";".join(includes())
+    for name in ROS_PACKAGES:
+        target = f"{name}::{'mppi_controller' if name.startswith('nav2') else name}"
+        lines = ["include_guard()", f"add_library({target} INTERFACE IMPORTED)"]
+        lines += [f'set_target_properties({target} PROPERTIES INTERFACE_COMPILE_OPTIONS "{flags}")']
+        lines += [f"set({name}_TARGETS {target})"]
         if name == "pluginlib":
             lines += ["function(pluginlib_export_plugin_description_file category file)"]
             lines += [
                 "  install(FILES ${file} DESTINATION share/${PROJECT_NAME}/${category})",
                 "endfunction()",
             ]
-        put(folder / name, {f"{name}Config.cmake": "\n".join(lines).encode()})
+        version = [
+            f'set(PACKAGE_VERSION "{nav2_version}")',
+            "if(NOT PACKAGE_VERSION VERSION_LESS PACKAGE_FIND_VERSION)",
+        ]
+        version += ["  set(PACKAGE_VERSION_COMPATIBLE TRUE)", "endif()"]
+        files = {f"{name}Config.cmake": lines, f"{name}Config-version.cmake": version}
+        put(folder / name, {file: "\n".join(text).encode() for file, text in files.items()})
 
 
 @pytest.mark.slow
-def test_cmake_builds_and_installs_the_plugin_where_ros2_control_is_found(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("robot", "nav2", "plugins"),
+    [
+        ("wpilib_swervebot", "1.5.1", ["controller"]),
+        ("f1tenth", "1.5.1", ["controller", "motion_model"]),
+        ("f1tenth", "1.4.2", ["controller"]),  # Kilted: motion models are no plugins
+    ],
+)
+def test_cmake_builds_and_installs_the_plugins_whose_packages_are_found(
+    robot: str, nav2: str, plugins: list[str], tmp_path: Path
+) -> None:
     need("cmake", "gcc", "g++", "nm")
-    put(tmp_path, of_gallery("wpilib_swervebot", "ros2"))
-    write_cmake_packages(tmp_path / "ros")
+    put(tmp_path, of_gallery(robot, "ros2"))
+    write_cmake_packages(tmp_path / "ros", nav2)
     prefix = f"-DCMAKE_PREFIX_PATH={HERE / 'stubs' / 'cmake'};{tmp_path / 'ros'}"
     run(tmp_path, "cmake", "-B", "build", prefix, "-DCMAKE_INSTALL_PREFIX=out", "-DBUILD_TESTING=OFF")
     run(tmp_path, "cmake", "--build", "build")
     run(tmp_path, "cmake", "--install", "build")
-    library = tmp_path / "out" / "lib" / "libwpilib_swervebot_controller.so"
-    unresolved = [line.split()[-1] for line in run(tmp_path, "nm", "-u", "-C", library).splitlines()]
-    assert not [name for name in unresolved if "wpilib" in name]
-    share = tmp_path / "out" / "share" / "wpilib_swervebot_kinematics"
-    assert (share / "controller_interface" / "wpilib_swervebot_controller.xml").exists()
-    assert (share / "config" / "wpilib_swervebot_controllers.yaml").exists()
+    libraries = sorted((tmp_path / "out" / "lib").glob("*.so"))
+    assert [library.name for library in libraries] == [f"lib{robot}_{plugin}.so" for plugin in plugins]
+    for library in libraries:
+        unresolved = [line.split()[-1] for line in run(tmp_path, "nm", "-u", "-C", library).splitlines()]
+        assert not [name for name in unresolved if robot in name]
+    share = tmp_path / "out" / "share" / f"{robot}_kinematics"
+    installed = {path.relative_to(share).as_posix() for path in share.rglob("*.*")}
+    folders = {"controller": "controller_interface", "motion_model": "nav2_mppi_controller"}
+    described = {f"{folders[plugin]}/{robot}_{plugin}.xml" for plugin in plugins}
+    assert installed == described | {f"config/{robot}_controllers.yaml"}
 
 
 def test_the_plugin_file_and_the_parameters_name_the_class() -> None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from math import inf, isfinite
 
-from wmrgen.codegen.packages.cpp import Call, loop
+from wmrgen.codegen.packages.cpp import Call, Loop, call, loop
 from wmrgen.codegen.registry import Facts
 from wmrgen.geometry.ports import GYRO, POSE, POSE_COVARIANCE, TWIST, TWIST_COVARIANCE, TWIST_NAMES, Port
 from wmrgen.ir.nodes import Module
@@ -65,6 +65,7 @@ def context(module: Module, facts: Facts) -> Mapping[str, object]:
         "keep": [_VARIABLE.sub(r"s->\1", statement) for statement in steps.keep],
         "act": [_of_state(call, "_checked") for call in steps.act],
         "results": _results(steps.covariance),
+        **_motion_model(module, facts, steps),
         "variance_readme": _VARIANCES_PROPAGATED if steps.covariance else _VARIANCES_GIVEN,
     }
 
@@ -99,6 +100,39 @@ def _limits(facts: Facts) -> str:
         ends = [repr(end) if isfinite(end) else str(end).replace("inf", "math.inf") for end in (low, high)]
         entries.append(f'"{name}": ({ends[0]}, {ends[1]})')
     return f"{{{', '.join(entries)}}}"
+
+
+def _motion_model(module: Module, facts: Facts, steps: Loop) -> dict[str, object]:
+    """Return the variables of the templates of the motion model for Nav2.
+
+    Robots of type (1, 1) have one, because Nav2's model of cars has a least turning radius about P and nothing else. It
+    needs no measurement: `forward` reads joints that `inverse` commands.
+    """
+    names, scalar = {function.name for function in module.functions}, str(facts.options["scalar"])
+    commanded = {port.name for port in module.function("inverse").outputs}
+    read = set(module.joints or ()) & {port.name for port in module.function("forward").inputs}
+    inverse = call(module, scalar, "inverse", {"now": "commands", "out": "commands"})
+    forward = call(
+        module, scalar, "forward_slip" if "forward_slip" in names else "forward", {"twist": "driven"}
+    )
+    members = {name: kind for each in steps.prepare for name, kind in each.variables.items()}
+    variables = {"slip": scalar, **inverse.variables, **forward.variables}
+    return {
+        "motion_model": facts.robot_type == (1, 1) and read <= commanded and GYRO.name not in variables,
+        "motion_prepare": [f"{_of_members(each, members)};" for each in steps.prepare],
+        "motion_members": [(f"{name}_", kind) for name, kind in members.items()],
+        "motion_variables": [
+            (name, kind) for name, kind in variables.items() if name not in {*members, "driven"}
+        ],
+        "motion_inverse": _of_members(inverse, members),
+        "motion_forward": _of_members(forward, members),
+    }
+
+
+def _of_members(call: Call, members: Collection[str]) -> str:
+    """Return a call in which ``members`` are members of a class."""
+    words = [f"{word}_" if word.removeprefix("&") in members else word for word in call.words]
+    return call._replace(words=tuple(words)).text()
 
 
 def _cpp_limits(facts: Facts) -> list[str]:

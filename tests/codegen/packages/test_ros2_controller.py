@@ -7,6 +7,7 @@ Expected: the closed form of a figure of eight, and what the documentation says 
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import xml.etree.ElementTree
@@ -350,3 +351,25 @@ def test_the_parameters_are_those_that_the_controller_declares(robot: str) -> No
         assert isinstance(value, float) or name in {
             "joints", "odom_frame", "base_frame", "publish_tf", "pose_variance", "twist_variance"
         }  # fmt: skip
+
+
+READ = """
+import json, sys, rclpy
+from rclpy.node import Node
+rclpy.init(args=["--ros-args", "--params-file", sys.argv[1]])
+node = Node(sys.argv[2], automatically_declare_parameters_from_overrides=True)
+print(json.dumps({name: parameter.value for name, parameter in node.get_parameters_by_prefix("").items()}))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", ["pioneer3dx", "nomad_xr4000", "jpl_osr"])
+def test_ros_reads_the_parameters(robot: str, tmp_path: Path) -> None:
+    python = ros_python()
+    file = f"config/{robot}_controllers.yaml"
+    text = of_gallery(robot, "ros2")[file]
+    put(tmp_path, {file: text})
+    done = run(tmp_path, python, "-c", READ, file, f"{robot}_controller")
+    read = json.loads(done.splitlines()[-1])
+    wanted = yaml.safe_load(text)[f"{robot}_controller"]["ros__parameters"]
+    assert {name: read[name] for name in wanted} == wanted

@@ -18,7 +18,7 @@ import pytest
 
 from tests.codegen.packages.eight import ROBOTS, figure_of_eight
 from tests.codegen.packages.made import files_of, run
-from tests.codegen.packages.test_ros2 import NOISY, PAIR, TUNABLE, core_of
+from tests.codegen.packages.test_ros2 import FAST, NOISY, PAIR, TUNABLE, core_of
 from tests.conftest import ROOT, put
 from tests.external_tools import need
 from wmrgen import derive, load
@@ -160,6 +160,17 @@ def test_a_twist_beyond_a_limit_is_scaled_as_a_whole(pair: Callable[[], Path]) -
         assert speeds == pytest.approx([factor * speed for speed in at_limit], rel=1e-12)
     (event,) = [event for result in results for event in result.events]
     assert "0.99" in event
+
+
+@pytest.mark.slow
+def test_no_twist_beyond_a_limit_stops_the_robot_by_its_rounding(pair: Callable[[str], Path]) -> None:
+    steps = [joints(1.0, 0.0, 0.0)]
+    for k in range(1, 400):
+        steps += [command(1.0, 3.0 + k / 100, 0.0, 0.1), act(1.0)]
+    results = driven(pair(FAST), steps)
+    sums = [sum(result.numbers["commands"]) for result in results if "commands" in result.numbers]
+    assert sums == pytest.approx([6.0 / 0.0975] * 399, rel=1e-12)
+    assert sum(len(result.events) for result in results) == 1
 
 
 @pytest.mark.slow

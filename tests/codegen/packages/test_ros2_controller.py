@@ -19,7 +19,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from tests.codegen.packages.eight import ROBOTS, figure_of_eight
+from tests.codegen.packages.eight import ROBOTS, figure_of_eight, tunables
 from tests.codegen.packages.made import files_of, of_gallery, run
 from tests.codegen.packages.test_ros2 import PAIR, TUNABLE
 from tests.codegen.packages.test_ros2_run import ros_python
@@ -27,6 +27,7 @@ from tests.conftest import ROOT, put
 from tests.depth import GALLERY
 from tests.external_tools import missing, need
 from wmrgen import derive, load
+from wmrgen.ir.interpret import FLOAT64, evaluate_module
 
 HERE = Path(__file__).parent
 WARNINGS = ("-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
@@ -221,6 +222,22 @@ def test_a_preceding_controller_gives_the_reference_instead_of_the_topic(pair: C
     ]
     moving = pytest.approx([2.0, 2.0])
     assert updates == [[0.0, 0.0], [0.0, 0.0], moving, moving, [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]]
+
+
+@pytest.mark.slow
+def test_a_gyro_is_a_state_of_the_imu(pair: Callable[..., Path]) -> None:
+    """The wheels measure no turn and the gyro measures one; `forward` of the interpreter weighs them."""
+    manager = pair(PAIR + "gyro: {constant: 0.0001 rad/s}\n")
+    module = derive(load(manager.parent / "pair.yaml")).module
+    measured = {"left.spin": 1.0, "right.spin": 1.0, "gyro": 0.5} | tunables(module)
+    wanted = evaluate_module(module, "forward", measured, FLOAT64)["omega"]
+    steps = ["parameter imu text base_imu", *START, *states(1, 1), "state base_imu/angular_velocity.z 0.5"]
+    printed = managed(manager, [*steps, update(1.0), update(1.1)])
+    assert "states left_spin/velocity right_spin/velocity base_imu/angular_velocity.z" in printed[3]
+    (odometry,) = [line.split() for line in printed[-1] if line.startswith("odometry")]
+    assert float(odometry[10]) == pytest.approx(wanted, rel=1e-9) and wanted > 0.1
+    lacking = managed(manager, ["hardware left_spin/velocity right_spin/velocity", *START])
+    assert ERROR in lacking[-1] and "imu/angular_velocity.z" in logged(lacking)[0]
 
 
 @pytest.mark.slow

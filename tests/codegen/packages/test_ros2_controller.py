@@ -370,6 +370,23 @@ def test_the_parameters_are_those_that_the_controller_declares(robot: str) -> No
         }  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    "name", ["cmd_timeout", "joint_timeout", "long_step", "longest_step", "unmeasured_variance"]
+)
+def test_the_node_the_controller_and_the_parameters_have_the_same_defaults(name: str) -> None:
+    files = of_gallery("pioneer3dx", "ros2")
+    config = yaml.safe_load(files["config/pioneer3dx_controllers.yaml"])["pioneer3dx_controller"][
+        "ros__parameters"
+    ]
+    sources = {
+        "node/pioneer3dx_core.py": rf"self\.{name} = (\S+)",
+        "controller/pioneer3dx_core.hpp": rf" {name} = (\S+);",
+    }
+    for file, pattern in sources.items():
+        found = re.search(pattern, files[file].decode())
+        assert found and float(found[1]) == config[name]
+
+
 READ = """
 import json, sys, rclpy
 from rclpy.node import Node

@@ -359,6 +359,7 @@ def test_the_parameters_are_those_that_the_controller_declares(robot: str) -> No
     declared = set(re.findall(r'auto_declare<[^(]*>\("([a-z_]+)"', source)) | set(
         re.findall(r'"(limit\.\w+)"', source)
     )
+    del parameters["type"]  # the spawner reads it
     tunables = {name for name in parameters if name.startswith("tunable.")}
     assert set(parameters) - tunables <= declared
     core = files[f"controller/{robot}_core.hpp"].decode()

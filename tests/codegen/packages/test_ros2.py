@@ -175,6 +175,14 @@ def test_no_command_beyond_a_limit_stops_the_robot_by_its_rounding(pair: Callabl
 
 
 @pytest.mark.slow
+def test_a_least_speed_does_not_move_a_robot_that_is_to_stop(pair: Callable[[str], Any]) -> None:
+    core = pair(PAIR.replace("vx: 1", "vx: [0.1, 1]"))
+    spin(core, 1.0, 0.0, 0.0)
+    core.command(0.0, 0.0, 0.0, 1.0)
+    assert core.joint_commands(1.0)[0] == [0.0, 0.0]
+
+
+@pytest.mark.slow
 def test_a_command_that_is_old_or_not_a_number_stops_the_robot(pair: Callable[[], Any]) -> None:
     core = pair()
     core.joint_timeout = 60.0

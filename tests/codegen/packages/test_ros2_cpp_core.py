@@ -174,6 +174,13 @@ def test_no_twist_beyond_a_limit_stops_the_robot_by_its_rounding(pair: Callable[
 
 
 @pytest.mark.slow
+def test_a_least_speed_does_not_move_a_robot_that_is_to_stop(pair: Callable[[str], Path]) -> None:
+    steps = [joints(1.0, 0.0, 0.0), command(1.0, 0.0, 0.0, 0.0), act(1.0)]
+    results = driven(pair(PAIR.replace("vx: 1", "vx: [0.1, 1]")), steps)
+    assert results[-1].numbers["commands"] == [0.0, 0.0]
+
+
+@pytest.mark.slow
 def test_a_command_that_is_old_from_the_future_or_not_a_number_stops_the_robot(
     pair: Callable[[], Path],
 ) -> None:

@@ -61,7 +61,9 @@ class Facts:
     ] = ()  # numbers of the robot file: name (left.radius), value, text
     # Joint of the module (left.spin) -> its name in ROS, and the sign of its rotation there.
     joint_names: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+    motors: frozenset[str] = frozenset()  # joints of the module that have a motor
     frame: str = ""  # name of the robot frame in ROS
+    robot_type: tuple[int, int] | None = None  # degrees of mobility and steerability; None: degenerate
     site: Site = NO_SITE  # what the robot file says about inputs
     # Options of the backend that the user chose.
     options: Mapping[str, str | bool] = field(default_factory=dict)

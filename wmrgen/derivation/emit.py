@@ -108,7 +108,9 @@ def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:
         model_hash=digest.hexdigest()[:32],
         wmrgen_version=__version__,
         joint_names=joint_names(derivation.robot),
+        motors=motors(derivation.robot),
         frame=derivation.robot.frame,
+        robot_type=derivation.mobility.robot_type,
         site=where,
         constants=constants(derivation.robot, where),
         vectors=derivation.vector_forms,
@@ -124,6 +126,16 @@ def joint_names(robot: Robot) -> dict[str, tuple[str, int]]:
             name = wheel.joint_name(joint.removesuffix("_rate"))
             found[f"{wheel.name}.{joint}"] = (name.name, name.sign)
     return found
+
+
+def motors(robot: Robot) -> frozenset[str]:
+    """Return the joints of the functions (left.spin) that have a motor."""
+    found = set()
+    for wheel in robot.wheels:
+        for joint in ("spin", "steer", "steer_rate"):
+            if wheel.commands(joint.removesuffix("_rate")):
+                found.add(f"{wheel.name}.{joint}")
+    return frozenset(found)
 
 
 def _bound_lines(derivation: Derivation, choice: Choice) -> tuple[str, ...]:

@@ -47,6 +47,8 @@ def core_of(folder: Path, robot: Path, scalar: str = "double") -> tuple[ModuleTy
 
 PAIR = DIFFERENTIAL + "limits: {vx: 1, omega: 2}\n"
 
+FAST = PAIR.replace("vx: 1", "vx: 3")  # 3 / v * v is above 3 for some v
+
 
 @pytest.fixture(scope="module")
 def pair(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
@@ -163,6 +165,24 @@ def test_commands_are_those_of_inverse_and_clamped_ones_keep_the_curvature(pair:
 
 
 @pytest.mark.slow
+def test_no_command_beyond_a_limit_stops_the_robot_by_its_rounding(pair: Callable[[str], Any]) -> None:
+    core = pair(FAST)
+    spin(core, 1.0, 0.0, 0.0)
+    for k in range(1, 400):
+        core.command(3.0 + k / 100, 0.0, 0.1, 1.0)
+        assert sum(core.joint_commands(1.0)[0]) == pytest.approx(6.0 / 0.0975, rel=1e-12), k
+    assert codes(core) == ["clamped"]
+
+
+@pytest.mark.slow
+def test_a_least_speed_does_not_move_a_robot_that_is_to_stop(pair: Callable[[str], Any]) -> None:
+    core = pair(PAIR.replace("vx: 1", "vx: [0.1, 1]"))
+    spin(core, 1.0, 0.0, 0.0)
+    core.command(0.0, 0.0, 0.0, 1.0)
+    assert core.joint_commands(1.0)[0] == [0.0, 0.0]
+
+
+@pytest.mark.slow
 def test_a_command_that_is_old_or_not_a_number_stops_the_robot(pair: Callable[[], Any]) -> None:
     core = pair()
     core.joint_timeout = 60.0
@@ -176,6 +196,9 @@ def test_a_command_that_is_old_or_not_a_number_stops_the_robot(pair: Callable[[]
     core.command(0.5, 0.0, 0.0, 2.0)
     assert core.joint_commands(2.1)[0][0] > 0
     assert core.joint_commands(20.0)[0] == [0.0, 0.0] and codes(core) == ["no_command"]
+    core.command(0.5, 0.0, 0.0, 30.0)
+    assert core.joint_commands(30.1)[0][0] > 0
+    assert core.joint_commands(25.0)[0] == [0.0, 0.0]  # the clock went back
 
 
 @pytest.mark.slow

@@ -153,6 +153,8 @@ def test_what_no_controller_has_is_refused_in_words(name: str) -> None:
     with pytest.raises(NotDerivableError, match=re.escape(REFUSED[name])) as refusal:
         ros2_control(gallery(name))
     assert refusal.value.what.startswith(f"{name}: no controller of ros2_controllers fits: ")
+    # A robot with motors has a controller of its own.
+    assert ("--package ros2" in refusal.value.instead) == any(w.actuated for w in gallery(name).wheels)
 
 
 @pytest.mark.parametrize(

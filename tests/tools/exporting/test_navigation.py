@@ -79,8 +79,9 @@ def test_the_turning_radius_is_that_of_p(tmp_path: Path) -> None:
     follow = written(nav2(load(robot)))["controller_server"]["ros__parameters"]["FollowPath"]
     assert follow["AckermannConstraints"]["min_turning_r"] == pytest.approx(0.6 / tan(0.5) + 0.2)
     robot.write_text(text.replace(" limits: {steer: 0.5}", ""))
-    with pytest.raises(NotDerivableError):
+    with pytest.raises(NotDerivableError) as refusal:
         nav2(load(robot))
+    assert "--package ros2" in refusal.value.instead  # it has a motion model of its own
 
 
 def test_the_filter_takes_the_velocities_of_the_wheels() -> None:

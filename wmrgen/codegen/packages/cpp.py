@@ -106,6 +106,24 @@ class Loop(NamedTuple):
         return {name: kind for call in calls for name, kind in call.variables.items()}
 
 
+def call(module: Module, scalar: str, name: str, renamed: Mapping[str, str]) -> Call:
+    """Return a call of a function.
+
+    Args:
+        module: The functions of the robot.
+        scalar: ``float`` or ``double``.
+        name: The function.
+        renamed: Argument -> variable, where they have different names.
+    """
+    words, variables = [], {}
+    for argument in _arguments(module)[name]:
+        variable = renamed.get(argument.name, argument.name)
+        words.append(f"{'' if argument.by_value else '&'}{variable}")
+        if not argument.by_value or variable == GYRO.name:
+            variables[variable] = f"{module.name}_{argument.kind}" if argument.kind else scalar
+    return Call(f"{module.name}_{name}", tuple(words), variables)
+
+
 _PREPARING = ("params_default", "prepare")
 
 
@@ -127,17 +145,8 @@ def loop(module: Module, scalar: str, covariances: bool = True) -> Loop:
             "for example cmake."
         )
 
-    def call(name: str, renamed: Mapping[str, str]) -> Call:
-        words, variables = [], {}
-        for argument in functions[name]:
-            variable = renamed.get(argument.name, argument.name)
-            words.append(f"{'' if argument.by_value else '&'}{variable}")
-            if not argument.by_value or variable == GYRO.name:
-                variables[variable] = f"{module.name}_{argument.kind}" if argument.kind else scalar
-        return Call(f"{module.name}_{name}", tuple(words), variables)
-
     def calls(stages: Sequence[Stage]) -> tuple[Call, ...]:
-        return tuple(call(stage.function, stage.variables) for stage in stages)
+        return tuple(call(module, scalar, stage.function, stage.variables) for stage in stages)
 
     stages, read = stages_of(module, functions.keys() - set(_PREPARING), covariances), only_read(module)
     kept = [f"commands.{member} = wheels.{member};" for member in read]
@@ -148,7 +157,7 @@ def loop(module: Module, scalar: str, covariances: bool = True) -> Loop:
         if f"{member}_rate" in (module.joints or ()):
             swivel.append(f"wheels.{member} += dt * commands.{member}_rate;")
     return Loop(
-        prepare=tuple(call(name, {}) for name in _PREPARING if name in functions),
+        prepare=tuple(call(module, scalar, name, {}) for name in _PREPARING if name in functions),
         sense=calls(stages.senses),
         act=calls(stages.acts),
         covariance=any(stage.function == "odometry_covariance" for stage in stages.senses),

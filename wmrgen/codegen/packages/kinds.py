@@ -31,6 +31,7 @@ class File(NamedTuple):
 
     path: str  # with {robot} for the name of the robot
     quote: Callable[[str], str] = str  # writes the description of the robot in the language of the file
+    needs: str = ""  # variable of the templates without which there is no such file
 
     def template(self, kind: str) -> str:
         """Return the name of the template for a package of this kind."""
@@ -101,9 +102,18 @@ PACKAGES = {
             (
                 File("CMakeLists.txt"),
                 File("package.xml", escape),
+                File("node/{robot}_bridge.h"),
                 File("node/{robot}_bridge.c"),
                 File("node/{robot}_core.py"),
                 File("node/{robot}_node.py"),
+                File("controller/{robot}_core.hpp"),
+                File("controller/{robot}_controller.hpp"),
+                File("controller/{robot}_controller.cpp"),
+                File("{robot}_controller.xml", escape),
+                File("config/{robot}_controllers.yaml"),
+                File("nav2/{robot}_motion_model.hpp", needs="motion_model"),
+                File("nav2/{robot}_motion_model.cpp", needs="motion_model"),
+                File("{robot}_motion_model.xml", escape, needs="motion_model"),
                 _README,
             ),
             context=ros2.context,
@@ -155,6 +165,8 @@ def packaged(package: Package, module: Module, facts: Facts, files: Mapping[str,
     written = {f"{SOURCES}/{name}": content for name, content in c.items()}
     written[f"{SOURCES}/{robot}.hpp"] = header(module, scalar).encode("ascii")
     for file in package.files:
+        if file.needs and not context[file.needs]:
+            continue
         rendered = render(file.template(package.kind), description=file.quote(text), **context)
         written[file.path.format(robot=robot)] = rendered.encode()
     return written

@@ -59,12 +59,12 @@ class Drive:
 
 
 @contextmanager
-def refusing(what: str) -> Iterator[None]:
-    """Raise NotDerivableError in these words, with the reason that the inner one has."""
+def refusing(what: str, instead: str = "") -> Iterator[None]:
+    """Raise NotDerivableError in these words, with the reason that the inner one has, and what to do instead."""
     try:
         yield
     except NotDerivableError as error:
-        raise NotDerivableError(f"{what}: {error.what}.") from None
+        raise NotDerivableError(f"{what}: {error.what}.", instead=instead) from None
 
 
 Record = TypeVar("Record")

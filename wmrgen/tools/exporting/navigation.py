@@ -20,6 +20,7 @@ from wmrgen.tools.exporting.text import banner
 
 _TWIST = ("vx", "vy", "omega")
 _NOT_RUN = "These parameters were not run: their names are those of the documentation."
+_OWN_MODEL = "`wmrgen derive ROBOT.yaml --package ros2` writes a motion model of this robot for Nav2's MPPI."
 _MODELS = {2: "DiffDrive", 3: "Omni"}  # degree of maneuverability without steering -> motion model of Nav2
 
 
@@ -29,7 +30,8 @@ def nav2(robot: Robot) -> dict[str, str]:
     Raises:
         NotDerivableError: Nav2 has no motion model for the robot, with the reason.
     """
-    with refusing(f"{robot.name}: Nav2 has no motion model for it"):
+    own = derive(robot).mobility.robot_type == (1, 1)
+    with refusing(f"{robot.name}: Nav2 has no motion model for it", _OWN_MODEL if own else ""):
         follow = _motion_model(robot)
     names = {"vx_max": ("vx", 1), "vx_min": ("vx", -1), "wz_max": ("omega", 1), "ax_max": ("vx_rate", 1)}
     names |= {"ax_min": ("vx_rate", -1), "az_max": ("omega_rate", 1)}

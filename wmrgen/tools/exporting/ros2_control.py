@@ -19,6 +19,9 @@ from wmrgen.tools.exporting.text import banner, decimal
 from wmrgen.tools.exporting.urdf import urdf
 
 NAME = "base_controller"
+_OWN_CONTROLLER = (
+    "`wmrgen derive ROBOT.yaml --package ros2` writes a controller for ros2_control that fits this robot."
+)
 
 
 def ros2_control(robot: Robot, distro: Distro | None = None) -> dict[str, str]:
@@ -31,7 +34,8 @@ def ros2_control(robot: Robot, distro: Distro | None = None) -> dict[str, str]:
     Raises:
         NotDerivableError: No controller fits, with the reason.
     """
-    with refusing(f"{robot.name}: no controller of ros2_controllers fits"):
+    motors = any(wheel.actuated for wheel in robot.wheels)
+    with refusing(f"{robot.name}: no controller of ros2_controllers fits", _OWN_CONTROLLER if motors else ""):
         drive, record = drive_with(robot, ros2_controller)
         if distro in record.absent:
             raise NotDerivableError(f"{distro} has no {record.name}")

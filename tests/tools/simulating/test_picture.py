@@ -109,3 +109,19 @@ def test_the_page_plays_the_drive(tmp_path: Path) -> None:
     np.testing.assert_allclose(pose, expected["end"], atol=1e-9)
     assert cart == pytest.approx(expected["angles"]["cart.theta"], abs=5e-3)  # Euler's rule, in steps of 5 ms
     assert tail == pytest.approx(expected["angles"]["tail.steer"], abs=0.05)
+
+
+def test_every_wheel_is_in_the_legend(tmp_path: Path) -> None:
+    """In as many rows as they need, inside the picture."""
+    nexus = ROOT / "robots" / "nexus_4wd.yaml"
+    root = drawn(tmp_path, nexus, "--twist", "0.3,0.2,0.5", "--time", "1", "--compare", PIONEER)
+    keys = [text for text in root.iter(f"{SVG}text") if text.get("class") == "key"]
+    wheels = [
+        *(f"{end}_{side}" for end in ("upper", "lower") for side in ("left", "right")),
+        "left",
+        "right",
+        "tail",
+    ]
+    assert set(wheels) <= {key.text for key in keys}
+    width = float(root.attrib["viewBox"].split()[2])
+    assert all(0 < float(key.attrib["x"]) < width - 30 for key in keys)

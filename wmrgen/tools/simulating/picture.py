@@ -22,7 +22,8 @@ from wmrgen.tools.simulating.model import Reals
 
 FILE = "drive.svg"
 _PATH: Box = (16.0, 26.0, WIDTH - 16.0, 330.0)  # px: the panel of the path
-_PLOT, _GAP = 62.0, 40.0  # px: height of a plot, and space above it for its title and legend
+_PLOT, _GAP = 62.0, 40.0  # px: height of a plot, and space above it for its title and the first row of its legend
+_ROW = 15.0  # px from one row of a legend to the next
 _LEFT, _RIGHT = 62.0, WIDTH - 16.0  # px: ends of the time axis; numbers are at its left
 _FRAMES = 120  # keyframes of an animation: four a second in the longest one
 _SAMPLE = 10  # keyframes between two outlines that must be inside the picture
@@ -97,8 +98,8 @@ def picture(drives: Sequence[Drive], goal: tuple[float, float] | None = None) ->
     plots = [("x [m]", "x", 1.0), ("y [m]", "y", 1.0), ("θ [°]", "theta", degrees(1.0))]
     for title, name, scale in plots:
         curves = [Curve(run, "", run.t, scale * run.column(name), run.colour) for run in runs]
-        groups += _plot(title, curves, top, last)
-        top += _PLOT + _GAP
+        plot, top = _plot(title, curves, top, last)
+        groups += plot
     joints = [
         ("wheel speeds [rad/s]", _joints(runs, "spin", 1.0)),
         ("steering angles [°]", _joints(runs, "steer", degrees(1.0))),
@@ -106,8 +107,8 @@ def picture(drives: Sequence[Drive], goal: tuple[float, float] | None = None) ->
     ]
     for title, curves in joints:
         if curves:
-            groups += _plot(title, curves, top, last)
-            top += _PLOT + _GAP
+            plot, top = _plot(title, curves, top, last)
+            groups += plot
     groups.append(("", _cursor(last, _PATH[3] + _GAP - 2.0, top - 18.0)))
     names = " and ".join(dict.fromkeys(run.drive.name for run in runs))
     starts = f", from {len(runs)} starts" if len(runs) > len(drives) else ""
@@ -339,9 +340,9 @@ def _joints(runs: Sequence[Run], joint: str, scale: float) -> list[Curve]:
     for run in (run for run in runs if not run.start):
         own = [name for name in run.drive.columns if name.endswith(f".{joint}")]
         for k, name in enumerate(own):
-            wheel = name.removesuffix(f".{joint}")
-            label = "" if any(curve.name == wheel for curve in curves) else wheel
-            colour = _COLOURS[k % len(_COLOURS)]
+            wheel, colour = name.removesuffix(f".{joint}"), _COLOURS[k % len(_COLOURS)]
+            known = any((curve.name, curve.colour) == (wheel, colour) for curve in curves)
+            label = "" if known else wheel
             curves.append(Curve(run, label, run.t, scale * run.column(name), colour))
     return curves
 
@@ -360,14 +361,26 @@ def _hitches(runs: Sequence[Run]) -> list[Curve]:
     return curves
 
 
-def _plot(title: str, curves: Sequence[Curve], top: float, last: float) -> list[Group]:
-    """Draw curves over time, with the least and the largest value at the left."""
+def _plot(title: str, curves: Sequence[Curve], top: float, last: float) -> tuple[list[Group], float]:
+    """Draw curves over time, with the least and the largest value at the left.
+
+    Args:
+        title: what is drawn.
+        curves: the curves, those with a name in a legend.
+        top: where the plot starts [px].
+        last: the last time [s].
+
+    Returns:
+        The plot, and where it ends [px].
+    """
+    keys, below = _legend(curves, width(title) + 34, top + _GAP - 26)
     low = min(float(curve.values.min()) for curve in curves)
     high = max(float(curve.values.max()) for curve in curves)
     largest = max(abs(low), abs(high))
     if high - low < _CONSTANT * max(largest, 1.0):  # a constant is in the middle
         low, high = low - (largest or 1.0), high + (largest or 1.0)
-    upper, lower = top + _GAP - 18, top + _GAP - 18 + _PLOT
+    upper = below + 8
+    lower = upper + _PLOT
     paper = Paper((0.0, 0.0, WIDTH, lower + 20))
 
     def on(t: float, value: float) -> Point:
@@ -375,7 +388,7 @@ def _plot(title: str, curves: Sequence[Curve], top: float, last: float) -> list[
         return x, lower - (lower - upper) * (value - low) / (high - low)
 
     elements = [
-        paper.write((_PATH[0], upper - 8), title, "title"),
+        paper.write((_PATH[0], top + _GAP - 26), title, "title"),
         line((_LEFT, lower), (_RIGHT, lower), "rest"),
         line((_LEFT, upper), (_LEFT, lower), "rest"),
         text((_LEFT - 6, upper + 8), _short(high, high - low), "words end"),
@@ -387,7 +400,7 @@ def _plot(title: str, curves: Sequence[Curve], top: float, last: float) -> list[
     for curve in curves:
         rows = _thinned(np.stack([curve.t, curve.values], axis=-1))
         elements.append(_line([on(float(t), float(v)) for t, v in rows], curve.run, curve.colour))
-    return [("", elements), (' class="fine"', _legend(curves, width(title) + 34, upper - 8))]
+    return [("", elements), (' class="fine"', keys)], lower + 18
 
 
 def _short(value: float, span: float) -> str:
@@ -396,16 +409,27 @@ def _short(value: float, span: float) -> str:
     return f"{shown:.6g}".replace("-", "−") if abs(value) > _CONSTANT * span else "0"
 
 
-def _legend(curves: Sequence[Curve], x: float, y: float) -> list[str]:
-    """Write the names of curves in a row, as far as there is room."""
+def _legend(curves: Sequence[Curve], x: float, y: float) -> tuple[list[str], float]:
+    """Write the names of curves in rows.
+
+    Args:
+        curves: the curves; those without a name are passed over.
+        x: where the first row starts [px], behind the title.
+        y: the first row [px].
+
+    Returns:
+        The elements, and the last row [px].
+    """
     elements = []
     for curve in curves:
-        if not curve.name or x + width(curve.name) + 20 > _RIGHT:
+        if not curve.name:
             continue
+        if x + width(curve.name) + 20 > _RIGHT:
+            x, y = _LEFT, y + _ROW
         elements.append(_line([(x, y - 4), (x + 14, y - 4)], curve.run, curve.colour))
         elements.append(text((x + 18, y), curve.name, "key"))
         x += width(curve.name) + 30
-    return elements
+    return elements, y
 
 
 def _cursor(last: float, upper: float, lower: float) -> list[str]:

@@ -11,7 +11,7 @@ from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.ports import GYRO, TWIST_NAMES
 from wmrgen.report.sections.forward import closed_forward
 from wmrgen.report.sections.inverse import closed_inverse
-from wmrgen.report.sections.markdown import code, keyed, listed, pictures, table, written
+from wmrgen.report.sections.markdown import code, keyed, listed, pictures, table
 from wmrgen.report.sections.numerics import wanted
 from wmrgen.report.sections.overview import kind_of_robot
 from wmrgen.report.wiring import admissible
@@ -155,16 +155,12 @@ def _read(text: str) -> Exact:
 
 
 def _files(d: Derivation) -> list[str]:
-    """Return the list of generated files."""
-    names = [name for names, _ in written(d) for name in names]
+    """Say where the generated files are described."""
     further = [f.name for f in wanted(d)]
     more = ""
     if further:
-        more = keyed("files.further", f", together with formulas of the further functions {listed(further)}")
+        more = keyed("files.further", f", and has formulas of the further functions {listed(further)}")
     return [
-        f"**Files** ([numerics.md](numerics.md) describes each{more}): {' · '.join([*map(_link, names)])}"
+        f"**Files**: [numerics.md](numerics.md) lists the generated files{more}. [wiring.md](wiring.md) is a check "
+        "sheet for commissioning."
     ]
-
-
-def _link(name: str) -> str:
-    return code(name) if "*" in name else f"[{code(name)}]({name})"

@@ -147,6 +147,12 @@ def distinct(measured: Measurements) -> list[Measured]:
     return sorted(own, key=lambda row: not row[1])  # as the book stacks them: rolling before sliding
 
 
+def rows_as_printed(d: Derivation) -> list[Measured]:
+    """Return the rows of H and z in the order of section 7."""
+    measured = _in_order_of_the_book(d.measured, d.robot)
+    return distinct(measured) if measured.rows else []
+
+
 def _sources(measured: Measurements) -> list[str]:
     """Say which wheels give which rows."""
     sources = []
@@ -247,8 +253,7 @@ def _softened(measured: Measurements) -> str:
     return keyed(
         "forward.softened",
         " A sliding row of a fixed wheel counts like a measured speed of 0. If the rates contradict each other, the "
-        "least total error leaves a part in this row too: what fixed wheels forbid becomes merely unlikely. `inverse` "
-        "removes it instead.",
+        "least total error has a part in this row too, so `forward` may return a twist that fixed wheels forbid.",
     )
 
 
@@ -481,7 +486,7 @@ def _rigid(d: Derivation, measured: Measurements) -> list[str]:
         "This needs two contact points that are apart: H has rank 3 then (Kelly Box 4.2). Hence",
         *math(_NEAREST),
         *(
-            [f"The denominator is constant. With the numbers of this robot, this is{_softened(measured)}", *numbers]
+            [f"The denominator is constant.{_softened(measured)} In numbers, the twist is", *numbers]
             if numbers
             else [f"**Code.** Only one division is left for run time. {divisor}"]
         ),

@@ -9,7 +9,7 @@ import pytest
 
 from tests.report.sections.common import keys_of, page_of, part
 from tests.report.sections.reading import read
-from tests.robots import ROBOTS
+from tests.robots import ROBOTS, of_gallery
 
 FENCE = re.compile(r"```math\n(.*?)\n```", re.DOTALL)
 RESULTS = {"6": ("Inverse", "Forward"), "7": ("Forward", "An example")}
@@ -79,3 +79,24 @@ def test_the_velocity_of_a_wheel_along_e_and_n(name: str) -> None:
 def test_terms_of_a_contact_point_off_the_pivot() -> None:
     said = {name: "rows.off_the_pivot" in keys_of(name) for name in ("pioneer3dx", "kelly_4ws", "lekiwi")}
     assert said == {"pioneer3dx": True, "kelly_4ws": True, "lekiwi": False}
+
+
+@pytest.mark.parametrize("name", ["car_with_trailers", "tractor_off_axle"])
+def test_trailers_follow_from_the_sliding_row_of_their_axle(name: str) -> None:
+    """The coupling as a complex velocity, seen along and across a trailer; L and h are drawn here."""
+    text = section(name, "8")
+    lines = [line for line in text.split("\n") if line.startswith(r"\dot{\theta}_i &= ")]
+    (line,) = lines
+    line = re.sub(r"\(([^()]*)\)", r"\\left(\1\\right)", line)
+    shown_turn, shown_speed = line.partition(r"\dot{\theta}_i &= ")[2].split(r", & v_i &= ")
+    hitched = "h_i" in line
+    assert hitched == any(t.hitch.nominal for t in of_gallery(name).robot.trailers)
+    front, own, speed, turn, hitch, length = 0.7, 0.2, 1.3, -0.4, 0.25 if hitched else 0.0, 1.1
+    values = {r"\theta_{i-1}": front, r"\theta_i": own, "v_{i-1}": speed, r"\dot{\theta}_{i-1}": turn}
+    values |= {"h_i": hitch, "L_i": length}
+    coupling = (speed - 1j * hitch * turn) * cmath.exp(1j * front)
+    seen = coupling * cmath.exp(-1j * own)
+    assert read(shown_turn, values) == pytest.approx(seen.imag / length)
+    assert read(shown_speed, values) == pytest.approx(seen.real)
+    axle = coupling - 1j * length * read(shown_turn, values) * cmath.exp(1j * own)
+    assert (axle * cmath.exp(-1j * own)).imag == pytest.approx(0)

@@ -12,7 +12,7 @@ from wmrgen.report.sections import numerics, wiring
 from wmrgen.report.sections.example import steps_of, with_example
 from wmrgen.report.sections.forward import forward
 from wmrgen.report.sections.inverse import inverse
-from wmrgen.report.sections.markdown import foot, page
+from wmrgen.report.sections.markdown import citation, foot, page
 from wmrgen.report.sections.mobility import analysis, singular, skid
 from wmrgen.report.sections.motion import motion, regular
 from wmrgen.report.sections.overview import layout, opening
@@ -37,8 +37,9 @@ def blocks_of(derivation: Derivation) -> list[str]:
 
 def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:
     """Return ``report.md``, ``numerics.md`` and ``wiring.md``; the back end `drawing` writes their figures."""
+    rule, last = foot(facts)
     return {
-        FILE: page([*blocks_of(derivation), *foot(facts)]).encode(),
+        FILE: page([*blocks_of(derivation), rule, *citation(derivation.robot.name, facts), last]).encode(),
         numerics.FILE: page(numerics.numerics(derivation, facts)).encode(),
         wiring.FILE: page(wiring.wiring(derivation, facts)).encode(),
     }

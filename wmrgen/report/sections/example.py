@@ -175,6 +175,11 @@ def _angle(w: Wheel, values: Numbers) -> str:
     return f"v<sub>A</sub> = {_pair(ax, ay)}{ratio}, ψ = {_shown(round(degrees(psi), 3))}°, "
 
 
+def _twist_along(row: Row, steps: Steps) -> float:
+    """Return a row times the twist that `forward` returns."""
+    return sum(_at(p, steps.values) * steps.measured[n] for p, n in zip(row, TWIST_NAMES, strict=True))
+
+
 def _measured(d: Derivation, steps: Steps) -> list[str]:
     """Return z, the twist that follows from it, and the residual."""
     if not steps.measured:
@@ -182,8 +187,7 @@ def _measured(d: Derivation, steps: Steps) -> list[str]:
     rows = rows_as_printed(d)
     try:
         z = [_at(value, steps.values) for _, value, _ in rows]
-        gaps = [value - sum(_at(p, steps.values) * steps.measured[n] for p, n in zip(row, TWIST_NAMES, strict=True))
-                for (row, _, _), value in zip(rows, z, strict=True)]  # fmt: skip
+        gaps = [z_k - _twist_along(row, steps) for (row, _, _), z_k in zip(rows, z, strict=True)]
     except KeyError:
         return []
     residual = hypot(*gaps)

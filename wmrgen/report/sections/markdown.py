@@ -194,6 +194,15 @@ def written(d: Derivation) -> list[tuple[list[str], str]]:
     return [*rows, (["model.json"], "the contents of the report, as data")]
 
 
+def citation(name: str, facts: Facts) -> list[str]:
+    """Return the line by which texts cite the report of a robot, in a list."""
+    return [
+        f"To cite this report: The wmrgen authors, *wmrgen: exact kinematics of wheeled robots, compiled from their "
+        f"wheel layout*, version {facts.wmrgen_version}, report of {code(name)}, "
+        f"model {(facts.model_hash or 'unhashed')[:12]}."
+    ]
+
+
 def foot(facts: Facts) -> list[str]:
     """Return the last lines of a page: the version of wmrgen and the hash of the model."""
     return ["---", f"wmrgen {facts.wmrgen_version} · model {facts.model_hash or 'unhashed'}"]

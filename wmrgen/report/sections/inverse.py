@@ -642,7 +642,7 @@ def _rows_of_pivots(wheels: list[Wheel]) -> list[str]:
     """Write the rows of steered wheels, or of driven castors, in the velocity of the pivot."""
     letters = _letters(wheels)
     rim, across = _components(letters.psi)
-    zero = ". h is the heading at ψ = 0" if any(w.heading for w in wheels) else ""
+    zero = ", with the heading h at ψ = 0," if any(w.heading for w in wheels) else ""
     velocity = "the velocity v<sub>A</sub> of its pivot (section 2)"
     if wheels[0].kind.swivels:
         shift = _minus(letters.o, r"\left(\omega + \dot{\psi}\right)")

@@ -89,11 +89,11 @@ def test_trailers_follow_from_the_sliding_row_of_their_axle(name: str) -> None:
     (line,) = lines
     line = re.sub(r"\(([^()]*)\)", r"\\left(\1\\right)", line)
     shown_turn, shown_speed = line.partition(r"\dot{\theta}_i &= ")[2].split(r", & v_i &= ")
-    hitched = "h_i" in line
+    hitched = "b_i" in line
     assert hitched == any(t.hitch.nominal for t in of_gallery(name).robot.trailers)
     front, own, speed, turn, hitch, length = 0.7, 0.2, 1.3, -0.4, 0.25 if hitched else 0.0, 1.1
     values = {r"\theta_{i-1}": front, r"\theta_i": own, "v_{i-1}": speed, r"\dot{\theta}_{i-1}": turn}
-    values |= {"h_i": hitch, "L_i": length}
+    values |= {"b_i": hitch, "L_i": length}
     coupling = (speed - 1j * hitch * turn) * cmath.exp(1j * front)
     seen = coupling * cmath.exp(-1j * own)
     assert read(shown_turn, values) == pytest.approx(seen.imag / length)

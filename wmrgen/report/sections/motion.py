@@ -12,9 +12,7 @@ from wmrgen.functions.models.sheet import LONGEST, tidy
 from wmrgen.functions.models.state_space import ignores_sliding
 from wmrgen.functions.models.twist import goes_straight, where_it_slides
 from wmrgen.functions.system import System
-from wmrgen.functions.trailers.flat import flatness
 from wmrgen.functions.trailers.trailer import state_ports, turns
-from wmrgen.functions.trailers.train import train
 from wmrgen.geometry import notation
 from wmrgen.geometry.exact.poly import Poly, Row
 from wmrgen.geometry.layout.records import Robot
@@ -133,10 +131,10 @@ def _towing(d: Derivation) -> list[str]:
     turn, pull = r"v_{i-1}\sin(\theta_{i-1}-\theta_i)", r"v_{i-1}\cos(\theta_{i-1}-\theta_i)"
     ahead = "v<sub>i−1</sub> t<sub>i−1</sub>"
     if hitched:
-        turn += r" - h_i\,\dot{\theta}_{i-1}\cos(\theta_{i-1}-\theta_i)"
-        pull += r" + h_i\,\dot{\theta}_{i-1}\sin(\theta_{i-1}-\theta_i)"
+        turn += r" - b_i\,\dot{\theta}_{i-1}\cos(\theta_{i-1}-\theta_i)"
+        pull += r" + b_i\,\dot{\theta}_{i-1}\sin(\theta_{i-1}-\theta_i)"
         ahead += (
-            " − h<sub>i</sub> θ̇<sub>i−1</sub> n<sub>i−1</sub>, because it is h<sub>i</sub> behind that axle"
+            " − b<sub>i</sub> θ̇<sub>i−1</sub> n<sub>i−1</sub>, because it is b<sub>i</sub> behind that axle"
         )
     if any(w.kind.fixed_axle for w in d.driven.robot.wheels):
         blocks += [
@@ -144,6 +142,11 @@ def _towing(d: Derivation) -> list[str]:
             "heading of its fixed axle:",
             *aligned([rf"\dot{{\theta}}_i &= \frac{{{turn}}}{{L_i}}, & v_i &= {pull}"]),
         ]
+    from wmrgen.functions.trailers.flat import flatness
+    from wmrgen.functions.trailers.train import (
+        train,  # these load parts of sympy that robots without trailers need not
+    )
+
     facts = []
     with suppress(NotDerivableError):
         facts.append(

@@ -20,7 +20,7 @@ from wmrgen.geometry import notation
 from wmrgen.geometry.constraints import XI
 from wmrgen.geometry.exact.evaluate import number, parameters_in, sqrt_poly
 from wmrgen.geometry.exact.linalg import Matrix, adjugate, determinant
-from wmrgen.geometry.exact.lowest import common_divisor, divided, related, shorter, unrelated
+from wmrgen.geometry.exact.lowest import common_divisor, divided, quotient, related, shorter, unrelated
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.exact.poly import Poly, dot, has_angles, triple
 from wmrgen.geometry.layout.records import Robot, Wheel
@@ -310,13 +310,21 @@ def _fraction_matrix(above: Sequence[Sequence[Poly]], below: Poly) -> str:
     flat = [p for row in polys for p in row]
     if not _has_short_numbers([*flat, below]) or not all(_is_easy([p, below]) for p in flat):
         return ""
-    entries = [[total(terms(reduced(p, below))) if p else "0" for p in row] for row in polys]
+    entries = [[_quotient(p, below) for p in row] for row in polys]
+    if _wide(entries) > _STACK and len(entries[0]) <= 3:  # factors make it shorter, but sympy takes longer
+        entries = [[total(terms(reduced(p, below))) if p else "0" for p in row] for row in polys]
     if _wide(entries) <= _STACK or len(entries[0]) > 3:
         return matrix(entries) if _wide(entries) <= _STACK else ""
     shared = common_divisor([*flat, below])
     entries = [[latex(divided(p, shared)) for p in row] for row in polys]
     det = factored(divided(below, shared))
     return rf"\frac{{1}}{{{det}}}{matrix(entries)}" if _wide(entries) + width(det) <= _ALONE else ""
+
+
+def _quotient(above: Poly, below: Poly) -> str:
+    """Return above / below in lowest terms as LaTeX."""
+    product = quotient(above, below)
+    return total(terms(times(expression(product.factor), expression(product.rest)))) if above else "0"
 
 
 def _wide(entries: Sequence[Sequence[str]]) -> int:

@@ -70,7 +70,7 @@ class Request(NamedTuple):
     math: str  # inline or libm
     target: str  # processor of the C
     switches: tuple[str, ...]  # of fuzz, batch
-    formats: tuple[str, ...]  # of html, pdf
+    formats: tuple[str, ...]  # of html, pdf, tex
     packages: tuple[str, ...]  # kinds of packages
     sketch: bool  # whether a terminal shows a top view
 
@@ -145,6 +145,7 @@ def derive(
         bool,
         flag("--pdf", "Write report.pdf too, by an installed Chromium, or pandoc and a TeX."),
     ] = False,
+    tex: Annotated[bool, flag("--tex", "Write report.tex too, for lualatex or xelatex.")] = False,
     jobs: Jobs = None,
 ) -> int:
     """Example:  wmrgen derive robots/pioneer3dx.yaml -o build
@@ -159,7 +160,7 @@ def derive(
         math=math or ("inline" if scalar == "float" else "libm"),  # the same default as `choice`
         target=target,
         switches=tuple(name for name, wanted in (("fuzz", fuzz), ("batch", batch)) if wanted),
-        formats=tuple(name for name, wanted in (("html", html), ("pdf", pdf)) if wanted),
+        formats=tuple(name for name, wanted in (("html", html), ("pdf", pdf), ("tex", tex)) if wanted),
         packages=tuple(package or ()),
         sketch=len(robots) == 1 and not as_json and console.on_a_terminal(),
     )
@@ -584,7 +585,7 @@ def _recorded_formats(
     """Return the report in the formats that a manifest records. A PDF is taken as it is: browsers print differently."""
     from wmrgen.report.pages.formats import PDF, formatted
 
-    again = formatted(derivation, files, [name for name in formats if name == "html"])
+    again = formatted(derivation, files, [name for name in formats if name != "pdf"])
     printed = folder / PDF
     return {**again, PDF: printed.read_bytes()} if "pdf" in formats and printed.is_file() else again
 

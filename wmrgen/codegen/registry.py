@@ -215,7 +215,11 @@ for _entry in (
     ),
     Entry(
         "drawing", "wmrgen.report.figures", "itself",
-        files=(Files(("layout.svg", "symbols.svg", "motion.svg", "singular.svg", "reach.svg", "wiring.svg")),),
+        files=(
+            Files((
+                "layout.svg", "symbols.svg", "contact.svg", "motion.svg", "singular.svg", "reach.svg", "wiring.svg",
+            )),
+        ),
     ),
     Entry(
         "report", "wmrgen.report.sections", "itself",

@@ -10,7 +10,7 @@ from tests.robots import of_gallery, of_text
 from wmrgen.derivation.facade import Derivation
 
 SVG = "{http://www.w3.org/2000/svg}"
-FILES = ("layout.svg", "symbols.svg", "motion.svg", "singular.svg", "reach.svg", "wiring.svg")
+FILES = ("layout.svg", "symbols.svg", "contact.svg", "motion.svg", "singular.svg", "reach.svg", "wiring.svg")
 Box = tuple[float, float, float, float]
 Point = tuple[float, float]
 

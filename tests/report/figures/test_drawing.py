@@ -119,7 +119,7 @@ def test_every_wheel_is_named_and_stands_where_the_layout_says(name: str) -> Non
 @pytest.mark.parametrize("name", ROBOTS)
 def test_figures_are_few_and_described(name: str) -> None:
     d = of_gallery(name)
-    assert set(d.figures) <= set(FILES) and 2 <= len(d.figures) <= 6 and next(iter(d.figures)) == "layout.svg"
+    assert set(d.figures) <= set(FILES) and 3 <= len(d.figures) <= 7 and next(iter(d.figures)) == "layout.svg"
     for alt, svg in d.figures.values():
         assert name in alt and ET.fromstring(svg).findtext(f"{SVG}title") == alt
     assert ("motion.svg" in d.figures) == (d.mobility.degree_of_mobility > 0)

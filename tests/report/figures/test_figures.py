@@ -27,6 +27,26 @@ from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry.layout.records import Wheel
 from wmrgen.report.figures.reach import simplified
 
+# ---- the velocity of a wheel
+
+
+def test_the_velocity_of_a_pivot_is_the_sum_of_two_arrows() -> None:
+    """The drawn sum ends where v, drawn again at A, and the arrow across P A end; n is 90 degrees to the left of e."""
+    root = parsed(of_gallery("unicycle"), "contact.svg")
+    ends = {}
+    for cls in ("velocity", "way", "roll"):
+        lines = [e for e in of_class(root, cls) if e.tag == f"{SVG}line"]
+        heads = [points(e)[0] for e in of_class(root, cls) if e.tag == f"{SVG}polygon"]
+        starts = [numbers(line, "x1", "y1") for line in lines]
+        ends[cls] = [complex(*head) - complex(*start) for start, head in zip(starts, heads, strict=True)]
+    (v, total), (turned,), (e, n) = ends["velocity"], ends["way"], ends["roll"]
+    assert abs(v + turned - total) < 0.1
+    assert abs(n / e + 1j) < 0.01  # y is down on paper
+    (arm,) = [line for line in of_class(root, "line") if line.tag == f"{SVG}line"]
+    x1, y1, x2, y2 = numbers(arm, "x1", "y1", "x2", "y2")
+    assert abs((turned / complex(x2 - x1, y2 - y1)).real) < 0.01
+
+
 # ---- symbols
 
 

@@ -262,3 +262,34 @@ def test_the_heading_at_the_start_is_the_angle_between_its_lines(name: str) -> N
         way = np.array([math.cos(angle), -math.sin(angle)])
         assert np.array(end) - path[0] == pytest.approx(30 * way, abs=0.05)
         assert np.array(numbers(line, "x2", "y2")) - path[0] == pytest.approx(40 * way, abs=0.05)
+
+
+# ---- trailers
+
+
+def test_trailers_are_on_the_steady_circle() -> None:
+    """The axle of each trailer points to the ICR, and is its length behind its coupling."""
+    d = of_gallery("car_with_trailers")
+    root = parsed(d, "motion.svg")
+    (train,) = (g for g in root.iter(f"{SVG}g") if "data-train" in g.attrib)
+    _, scale, _ = panels(root)[1]
+    bars = [numbers(e, "x1", "y1", "x2", "y2") for e in of_class(train, "bar")]
+    pairs = list(zip(bars[::2], bars[1::2], strict=True))  # from coupling to axle, and the axle
+    assert len(pairs) == len(d.robot.trailers)
+    centre = next(numbers(e, "cx", "cy") for e in of_class(root, "icr")[::-1])
+    for (_, _, x2, y2), (ax, ay, bx, by) in pairs:
+        direction = complex(bx - ax, by - ay)
+        to_centre = complex(centre[0] - x2, centre[1] - y2)
+        assert abs((to_centre / direction).imag * abs(direction)) < 1.0  # px: the line passes through the ICR
+        assert abs(complex((ax + bx) / 2 - x2, (ay + by) / 2 - y2)) < 0.1
+    lengths = [math.dist(bar[:2], bar[2:]) / scale for bar in bars[::2]]
+    assert lengths == pytest.approx([float(t.length.nominal) for t in d.robot.trailers], rel=0.02)
+
+
+def test_trailers_without_a_steady_circle_are_not_drawn() -> None:
+    """The cart is longer than the radius of the drawn motion: R**2 + hitch**2 - length**2 is negative."""
+    d = of_gallery("tractor_off_axle")
+    vx, _, omega = steering(d).twist
+    (cart,) = d.robot.trailers
+    assert (vx / omega) ** 2 + float(cart.hitch.nominal) ** 2 < float(cart.length.nominal) ** 2
+    assert "data-train" not in d.figures["motion.svg"][1]

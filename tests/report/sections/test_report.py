@@ -91,6 +91,14 @@ def test_the_foot_says_what_made_it() -> None:
     assert page_of("pioneer3dx").rstrip().endswith("wmrgen 9.9 · model 0123456789abcdef")
 
 
+def test_the_report_says_how_to_cite_it() -> None:
+    """With the title of CITATION.cff, the version and the first digits of the hash of the model."""
+    line = page_of("pioneer3dx").rstrip().split("\n\n")[-2]
+    (title,) = re.findall(r'(?m)^title: "(.*)"$', (ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert f"*{title}*, version 9.9" in line and "`pioneer3dx`" in line and "0123456789ab" in line
+    assert title in (ROOT / "docs" / "faq.md").read_text(encoding="utf-8")
+
+
 def test_the_page_is_that_of_the_files() -> None:
     """Made in another process."""
     made = (ROOT / "generated" / "kuka_youbot" / "report.md").read_text(encoding="utf-8")

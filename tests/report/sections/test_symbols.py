@@ -43,6 +43,30 @@ def test_the_normal_matrix_is_that_of_h(name: str) -> None:
     assert normal == pytest.approx(h.T @ h, rel=1e-5, abs=1e-9)
 
 
+INVERSES = {"H^{-1}": "H", "(H^T H)^{-1}": "H^T H", "(H^T H)^{-1} H^T": "H"}
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_inverses_are_inverses_of_the_matrices_as_printed(name: str) -> None:
+    """A printed inverse times the printed matrix is 1; a number in front of a matrix counts."""
+    page, robot = page_of(name).partition("\n## 7 ")[2].partition("\n## ")[0], of_gallery(name).robot
+    values = {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
+    for head, of in INVERSES.items():
+        factor = re.search(rf"(?<!\^){re.escape(head)} =\s*(\\frac{{1}}.*?)?\\begin", page)
+        if factor is None:
+            continue
+        scale = read(factor[1], values) if factor[1] else 1.0
+        inverse = scale * printed(page.replace(factor[1] or "\0", ""), head, values)
+        assert inverse @ printed(page, rf"\qquad {of}", values) == pytest.approx(np.eye(3), abs=1e-5)
+
+
+def test_which_inverses_are_written_out() -> None:
+    """A differential drive, mecanum wheels, a tricycle with a common denominator, two steered wheels."""
+    for name, head in (("pioneer3dx", "H^{-1}"), ("kuka_youbot", "(H^T H)^{-1}"),
+                       ("textbook_tricycle", "(H^T H)^{-1}"), ("textbook_two_steer", "(H^T H)^{-1} H^T")):  # fmt: skip
+        assert f"{head} = \\" in page_of(name).partition("\n## 7 ")[2], name
+
+
 @pytest.mark.parametrize(
     ("name", "entry"),
     [

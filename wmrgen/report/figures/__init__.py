@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from wmrgen.codegen.registry import Facts
 from wmrgen.derivation.facade import Derivation
+from wmrgen.report.figures.contact import contact
 from wmrgen.report.figures.figure import Figure
 from wmrgen.report.figures.instant import singular
 from wmrgen.report.figures.motion import motion
@@ -24,7 +25,7 @@ def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:
 def figures(derivation: Derivation) -> list[Figure]:
     """Return the figures that apply to this robot."""
     drawn = (
-        top_view(derivation), wheel_symbols(derivation.robot), motion(derivation), singular(derivation),
-        reach(derivation), wiring(derivation),
+        top_view(derivation), wheel_symbols(derivation.robot), contact(derivation.robot), motion(derivation),
+        singular(derivation), reach(derivation), wiring(derivation),
     )  # fmt: skip
     return [figure for figure in drawn if figure]

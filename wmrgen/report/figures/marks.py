@@ -24,6 +24,7 @@ from wmrgen.report.figures.paper import (
     line,
     metres,
     polygon,
+    unit,
     width,
 )
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES, WheelType
@@ -174,6 +175,28 @@ def frame(view: View, names: tuple[str, str, str], paper: Paper, size: float = 3
     for name, (left, base) in zip(names, places, strict=True):
         lines.append(paper.write((left, base + 4), name, "letter", "middle"))
     return lines
+
+
+def towed(front: Point, coupling: Point, axle: Point, half: float) -> tuple[list[str], tuple[Point, Point]]:
+    """Draw a trailer.
+
+    Args:
+        front: the axle in front of it, on paper.
+        coupling: its coupling, on paper.
+        axle: its axle, on paper.
+        half: half the length of its axle [px].
+
+    Returns:
+        The SVG elements, and the ends of its axle.
+    """
+    way = unit(axle, coupling)
+    side, turn = (way[1], -way[0]), degrees(atan2(way[0], -way[1]))
+    ends = along(axle, side, half), along(axle, side, -half)
+    elements = [
+        line(front, coupling, "line"), line(coupling, axle, "bar"), line(*ends, "bar"), circle(coupling, 2.8, "pivot"),
+        *(bar(end, (2.5, 8.0), 2.0, turn, "trailer") for end in ends),
+    ]  # fmt: skip
+    return elements, ends
 
 
 def icr_mark(p: Point) -> list[str]:

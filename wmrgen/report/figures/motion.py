@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
-from math import degrees, hypot, pi, sin
+from math import atan2, cos, degrees, hypot, pi, sin, sqrt
 
 from wmrgen.derivation.facade import Derivation
+from wmrgen.functions.models.axle import leading_axle
+from wmrgen.geometry.constraints import nominal_view
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.report.figures.example import Example, Twist, example, extent
-from wmrgen.report.figures.figure import RIGHT, Figure, Group, Pose, View, figure, fitted, moved, panel
+from wmrgen.report.figures.figure import (
+    RIGHT,
+    Figure,
+    Group,
+    Pose,
+    View,
+    attribute,
+    figure,
+    fitted,
+    moved,
+    panel,
+)
 from wmrgen.report.figures.instant import FAR, instant, number
-from wmrgen.report.figures.marks import body, chassis, extremes, frame, icr_mark, placed
+from wmrgen.report.figures.marks import body, chassis, extremes, frame, icr_mark, placed, towed
 from wmrgen.report.figures.paper import (
     FIRM,
     Box,
@@ -34,11 +48,24 @@ _RIGHT: Box = (248.0, 24.0, 472.0, 268.0)  # px: the panel of the world frame, a
 def motion(derivation: Derivation) -> Figure | None:
     """Return ``motion.svg``; None if the robot cannot move. A robot with an effective track turns while sliding."""
     shown = example(derivation.robot, derivation.driven.mobility)
-    return None if shown is None else drawn(derivation.robot, shown)
+    if shown is None:
+        return None
+    return drawn(
+        derivation.robot, shown, _train(derivation, shown.twist) if derivation.robot.trailers else ()
+    )
 
 
-def drawn(robot: Robot, shown: Example) -> Figure:
-    """Return the figure of a motion."""
+def drawn(robot: Robot, shown: Example, train: Sequence[_Towed] = ()) -> Figure:
+    """Return the figure of a motion.
+
+    Args:
+        robot: the robot.
+        shown: the motion.
+        train: the trailers at its end, in the robot frame.
+
+    Returns:
+        The figure.
+    """
     where, path = "at infinity: the robot translates", "a straight line"
     if shown.icr:
         where, path = f"at ({number(shown.icr[0])}, {number(shown.icr[1])}) m", "an arc about it"
@@ -51,7 +78,7 @@ def drawn(robot: Robot, shown: Example) -> Figure:
         f"world, {path}."
     )
     below = wrapped(f"{words}{', wheels slide' if robot.effective_track else ''}", 222)
-    groups = [*instant(robot, shown, _LEFT, "robot frame", below), *world(robot, shown, _RIGHT)]
+    groups = [*instant(robot, shown, _LEFT, "robot frame", below), *world(robot, shown, _RIGHT, train)]
     return figure(FILE, alt, _LEFT[3] + 6 + 15 * len(below), groups)
 
 
@@ -62,13 +89,45 @@ _PATH = 2.4  # largest length of the arc, in sizes of the robot
 _PIECES = 24  # segments of the path; more are not visible
 
 
-def world(robot: Robot, shown: Example, area: Box) -> list[Group]:
+# Axle in front, coupling and axle of a trailer in the robot frame [m].
+_Towed = tuple[Point, Point, Point]
+_HALF = 9.0  # px: half the axle of a trailer, whose width is not in the file
+
+
+def _train(derivation: Derivation, twist: Twist) -> list[_Towed]:
+    """Place the trailers on the steady circle that the twist leads to, see `wmrgen.functions.trailers.trailer`.
+
+    The result is [] if the robot does not pull its trailers forward, or if they have no steady circle.
+    """
+    robot = derivation.driven.robot
+    ex, ey, x, y = leading_axle(robot, derivation.driven.mobility, nominal_view).nominal
+    vx, vy, omega = twist
+    speed = ex * (vx - y * omega) + ey * (vy + x * omega)
+    if speed <= 0:
+        return []
+    kappa, pull, heading = omega / speed, 1.0, atan2(ey, ex)
+    train: list[_Towed] = []
+    for t in robot.trailers:
+        hitch, length = float(t.hitch.nominal), float(t.length.nominal)
+        square = pull**2 + kappa**2 * (hitch**2 - length**2)
+        if square <= 0:
+            return []
+        coupling = (x - hitch * cos(heading), y - hitch * sin(heading))
+        heading -= atan2(length * kappa, sqrt(square)) + atan2(hitch * kappa, pull)
+        axle = (coupling[0] - length * cos(heading), coupling[1] - length * sin(heading))
+        train.append(((x, y), coupling, axle))
+        (x, y), pull = axle, sqrt(square)
+    return train
+
+
+def world(robot: Robot, shown: Example, area: Box, train: Sequence[_Towed] = ()) -> list[Group]:
     """Draw two poses in the world frame, x to the right, and the path of P between them.
 
     Args:
         robot: the robot.
         shown: the motion.
         area: area on paper [px].
+        train: trailers at the second pose, in the robot frame.
 
     Returns:
         Groups of SVG elements.
@@ -80,6 +139,8 @@ def world(robot: Robot, shown: Example, area: Box) -> list[Group]:
     points = [moved(p, pose) for pose in (poses[0], poses[-1]) for p in outline] + [
         (x, y) for x, y, _ in poses
     ]
+    placed_train = [[moved(p, poses[-1]) for p in towed_by] for towed_by in train]
+    points += [axle for *_, axle in placed_train]
     icr = moved(shown.icr, poses[0]) if shown.icr and hypot(*shown.icr) < FAR * size else None
     points += [icr] if icr else []
     view = fitted(points, (area[0] + 30, area[1] + 16, area[2] - 16, area[3] - 30), RIGHT)
@@ -92,9 +153,16 @@ def world(robot: Robot, shown: Example, area: Box) -> list[Group]:
     ]
     path = [view.on((x, y)) for x, y, _ in poses]
     paper.segments += list(pairwise(path))
+    trailers: list[str] = []
+    for places in placed_train:
+        a, b, c = (view.on(p) for p in places)
+        elements_of_trailer, ends = towed(a, b, c, _HALF)
+        trailers += elements_of_trailer
+        paper.boxes += [bounds(list(ends), 6), bounds([b, c], 3)]
     return [
         (panel(view), _body(robot, shown, view, poses[0])),
         (' class="ghost"', _wheels(robot, shown, view, poses[0])),
+        *([(attribute("train", robot.name), trailers)] if trailers else []),
         ("", [*_body(robot, shown, view, poses[-1]), *_wheels(robot, shown, view, poses[-1])]),
         ("", [*_path(path, icr and view.on(icr), view, paper), *elements]),
     ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import atan2, degrees, hypot
+from math import hypot
 
 from wmrgen.derivation.facade import Derivation
 from wmrgen.functions.models.axle import leading_axle
@@ -22,13 +22,13 @@ from wmrgen.report.figures.marks import (
     frame,
     legend,
     placed,
+    towed,
 )
 from wmrgen.report.figures.paper import (
     Paper,
     Point,
     along,
     arrow,
-    bar,
     bounds,
     circle,
     distance,
@@ -250,11 +250,8 @@ def _towed(places: _Train, half: float, view: View, paper: Paper) -> tuple[list[
     elements: list[str] = []
     for _, front, coupling, axle in places:
         a, b, c = view.on(front), view.on(coupling), view.on(axle)
-        way = unit(c, b)
-        side, turn = (way[1], -way[0]), degrees(atan2(way[0], -way[1]))
-        ends = along(c, side, half), along(c, side, -half)
-        elements += [line(a, b, "line"), line(b, c, "bar"), line(*ends, "bar"), circle(b, 2.8, "pivot")]
-        elements += [bar(end, (2.5, 8.0), 2.0, turn, "trailer") for end in ends]
+        drawn, ends = towed(a, b, c, half)
+        elements += drawn
         paper.boxes += [bounds([b, c], 4), bounds(list(ends), 9)]
     names: list[str] = []
     for name, _, coupling, axle in places:

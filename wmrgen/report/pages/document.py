@@ -156,6 +156,11 @@ def html(text: str, figures: Mapping[str, str], ids: set[str] | None = None) -> 
     return str(markdown.render(text, {"figures": figures, "ids": set() if ids is None else ids}))
 
 
+def tokens(text: str) -> list[Any]:
+    """Return the tokens of Markdown, for another format than HTML."""
+    return list(MarkdownIt("commonmark", {"html": True}).enable("table").parse(text))
+
+
 def _tags(_: Any, tokens: Sequence[Token], index: int, *rest: Any) -> str:
     """Keep the HTML tags that reports use; escape all others."""
     parts = _OURS.split(tokens[index].content)

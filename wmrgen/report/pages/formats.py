@@ -1,4 +1,4 @@
-"""Write the report as HTML and PDF, if the user asks `wmrgen derive` for them."""
+"""Write the report as HTML, LaTeX and PDF, if the user asks `wmrgen derive` for them."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from collections.abc import Collection, Mapping
 from wmrgen.codegen.compiler import print_pages
 from wmrgen.derivation.facade import Derivation
 from wmrgen.report.pages import live
-from wmrgen.report.pages.document import Report, chapters, page
+from wmrgen.report.pages.document import REPORT, Report, chapters, page
+from wmrgen.report.pages.tex import tex
 from wmrgen.robotfile.shipped import shipped
 
-HTML, PDF = "report.html", "report.pdf"
+HTML, TEX, PDF = "report.html", "report.tex", "report.pdf"
 
 
 def report(derivation: Derivation, files: Mapping[str, bytes]) -> Report:
@@ -26,7 +27,7 @@ def formatted(
     Args:
         derivation: the derivation.
         files: its files, from `wmrgen.derivation.emit.artifacts`.
-        formats: "html" or "pdf", or both.
+        formats: "html", "tex" and "pdf", or some of them.
 
     Returns:
         The reports, by file name.
@@ -34,10 +35,12 @@ def formatted(
     Raises:
         EnvironmentFailure: if no program that prints a PDF is installed.
     """
-    if not formats:
-        return {}
+    pages = {TEX: tex(files[REPORT].decode()).encode()} if "tex" in formats else {}
+    if not {"html", "pdf"} & set(formats):
+        return pages
     text = page([report(derivation, files)])
-    pages = {HTML: text.encode()} if "html" in formats else {}
+    if "html" in formats:
+        pages[HTML] = text.encode()
     return {**pages, PDF: _printed(text, files)} if "pdf" in formats else pages
 
 

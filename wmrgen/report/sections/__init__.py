@@ -9,9 +9,10 @@ from __future__ import annotations
 from wmrgen.codegen.registry import Facts
 from wmrgen.derivation.facade import Derivation
 from wmrgen.report.sections import numerics, wiring
+from wmrgen.report.sections.example import steps_of, with_example
 from wmrgen.report.sections.forward import forward
 from wmrgen.report.sections.inverse import inverse
-from wmrgen.report.sections.markdown import foot, page
+from wmrgen.report.sections.markdown import citation, foot, page
 from wmrgen.report.sections.mobility import analysis, singular, skid
 from wmrgen.report.sections.motion import motion, regular
 from wmrgen.report.sections.overview import layout, opening
@@ -27,16 +28,18 @@ _WHOLE = (regular, singular, texts)
 
 def blocks_of(derivation: Derivation) -> list[str]:
     """Return the blocks of ``report.md``, with the keys of their sentences (`markdown.keys`)."""
-    blocks = [block for section in _LAYOUT for block in section(derivation)]
-    blocks += [block for section in _MOTION for block in section(derivation.driven)]
-    blocks += [block for section in _WHOLE for block in section(derivation)]
+    blocks, steps = [], steps_of(derivation)
+    for section in (*_LAYOUT, *_MOTION, *_WHOLE):
+        own = derivation.driven if section in _MOTION else derivation
+        blocks += with_example(section.__name__, derivation, steps, section(own))
     return blocks
 
 
 def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:
     """Return ``report.md``, ``numerics.md`` and ``wiring.md``; the back end `drawing` writes their figures."""
+    rule, last = foot(facts)
     return {
-        FILE: page([*blocks_of(derivation), *foot(facts)]).encode(),
+        FILE: page([*blocks_of(derivation), rule, *citation(derivation.robot.name, facts), last]).encode(),
         numerics.FILE: page(numerics.numerics(derivation, facts)).encode(),
         wiring.FILE: page(wiring.wiring(derivation, facts)).encode(),
     }

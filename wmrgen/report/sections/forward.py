@@ -6,6 +6,7 @@ of the robot file if that is short, else with the numbers of this robot, else as
 
 from __future__ import annotations
 
+import operator
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import combinations
@@ -13,13 +14,13 @@ from itertools import combinations
 from wmrgen.analysis.kinematics.least_squares import Measured, normal_equations
 from wmrgen.analysis.kinematics.records import substituted
 from wmrgen.analysis.kinematics.rigid import spread
-from wmrgen.analysis.kinematics.sensing import Contact, Measurements, generic_rank, measurements
+from wmrgen.analysis.kinematics.sensing import Measurements, generic_rank, measurements
 from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry import notation
 from wmrgen.geometry.constraints import XI
 from wmrgen.geometry.exact.evaluate import number, parameters_in, sqrt_poly
 from wmrgen.geometry.exact.linalg import Matrix, adjugate, determinant
-from wmrgen.geometry.exact.lowest import related, shorter, unrelated
+from wmrgen.geometry.exact.lowest import common_divisor, divided, quotient, related, shorter, unrelated
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.exact.poly import Poly, dot, has_angles, triple
 from wmrgen.geometry.layout.records import Robot, Wheel
@@ -42,11 +43,12 @@ from wmrgen.report.sections.latex import (
     with_tangents,
     wrapped,
 )
-from wmrgen.report.sections.markdown import aligned, cut_note, keyed, math, matrix, some
+from wmrgen.report.sections.markdown import aligned, cut_note, keyed, math, matrix, packed, some, titled
 
 _ROWS = 12  # rows of a printed H; a matrix of more rows does not fit on a screen
 _SHOWN = 2  # contact points that are written out; the others follow in the same way
 _STACK = 62  # visible characters of H and z side by side: 900 px; clearpath_do100 has more
+_ALONE = 90  # visible characters of a single matrix with its denominator: 900 px; textbook_tricycle has 88
 _ENTRY = 12  # terms of an entry of H^T H; determinants of longer entries take seconds to expand
 _SUM = 24  # summands of a printed sum; a robot with 64 wheels has more
 _TWIST = (
@@ -62,6 +64,7 @@ _NEAREST = (
     r"\omega = \frac{\sum_i (B_i-\bar{B})\times(w_i-\bar{w})}{\sum_i |B_i-\bar{B}|^2}, \qquad "
     r"v = \bar{w} - \omega\,\hat{z}\times\bar{B}"
 )
+_SMALLEST = r"\omega = \frac{B \times w}{1 + |B|^2}, \qquad v = w - \omega\,\hat{z}\times B"
 _WEIGHTS = keyed(
     "forward.weights",
     "The wheels have weights. A row counts in proportion to its weight divided by the largest weight. With W the "
@@ -91,8 +94,8 @@ def forward(d: Derivation) -> list[str]:
             ),
         ]
     blocks = [title, *_sources(measured)]
-    if not measured.constant_normal and measured.rigid:
-        return [*blocks, *_rigid(d, measured.contacts)]
+    if measured.rigid and (not measured.constant_normal or _as_rigid_motion(d)):
+        return [*blocks, *_rigid(d, measured)]
     rows = distinct(measured)
     once = " (an equation that several wheels give is listed once)" if len(rows) < len(measured.rows) else ""
     if measured.constant_normal or any(c.wheel.turns for c in measured.contacts):
@@ -102,13 +105,14 @@ def forward(d: Derivation) -> list[str]:
             " H consists of these rows of section 3. In z, a rolling row has r φ̇ and a sliding row has 0."
         )
     if measured.constant_normal:
-        return [*blocks, *_constant(d, measured, rows), *_residual(d, measured), *cut_note(d.robot.wheels)]
+        solved = _constant(d, measured, rows)
+        return [*blocks, *solved, *titled("Residual", _residual(d, measured)), *cut_note(d.robot.wheels)]
     locals_ = {symbol.name for symbol, _ in d.formula("forward").locals}
     return [
         *blocks,
         *solution_by_rank(generic_rank(measured), "over_c2" in locals_),
-        *_three(measured),
-        f"The residual `slip` is the norm of z − H ξ [m/s]. {_SIGNAL}",
+        *_three(d, measured),
+        f"**Residual.** `slip` is the norm of z − H ξ [m/s]. {_SIGNAL}",
     ]
 
 
@@ -141,6 +145,12 @@ def distinct(measured: Measurements) -> list[Measured]:
     if len(own) != 3 or not determinant([list(row) for row, _, _ in own]):
         return rows
     return sorted(own, key=lambda row: not row[1])  # as the book stacks them: rolling before sliding
+
+
+def rows_as_printed(d: Derivation) -> list[Measured]:
+    """Return the rows of H and z in the order of section 7."""
+    measured = _in_order_of_the_book(d.measured, d.robot)
+    return distinct(measured) if measured.rows else []
 
 
 def _sources(measured: Measurements) -> list[str]:
@@ -179,8 +189,8 @@ def _sources(measured: Measurements) -> list[str]:
     ]
 
 
-def _stacked(rows: list[Measured]) -> list[str]:
-    """Return H ξ = z: as matrices if they fit on a line, else equation by equation."""
+def _stacked(rows: list[Measured], index: str = "") -> list[str]:
+    """Return H ξ = z: as matrices if they fit on a line, else equation by equation. ``index``: index of H and z."""
     shown = rows[:_ROWS]
     dots = [r"\vdots"] if len(rows) > _ROWS else []
     h = [[latex(p) for p in row] for row, _, _ in shown]
@@ -188,7 +198,7 @@ def _stacked(rows: list[Measured]) -> list[str]:
     columns = [*zip(*h, strict=True), *zip(*z, strict=True)]
     if sum(max(map(width, column)) for column in columns) <= _STACK:
         both = matrix([*h, *([dots * 3] * len(dots))]), matrix([*z, *([dots] * len(dots))])
-        return math(rf"H\,\xi = z, \qquad H = {both[0]}, \qquad z = {both[1]}")
+        return math(rf"H{index}\,\xi = z{index}, \qquad H{index} = {both[0]}, \qquad z{index} = {both[1]}")
     lines = [f"{wrapped(summands(terms(dot(row, XI))))} &= {latex(value)}" for row, value, _ in shown]
     if any("\n" in line for line in lines):  # a broken sum has to be on the right side
         lines = [f"{latex(value)} &= {wrapped(summands(terms(dot(row, XI))))}" for row, value, _ in shown]
@@ -206,33 +216,120 @@ def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> li
     plain = [(triple(map(unrelated, row)), value, weight) for row, value, weight in rows]
     entries = [[shorter(p) for p in row] for row in normal_equations(plain)[0]]
     normal, named = _normal(entries, numbers)
-    at_values = "" if named else ", with the numbers of this robot in HᵀH"
-    why = "The matrix does not depend on any joint angle."
+    at_values = "" if named else ", with the numbers of this robot"
+    why = "HᵀH does not depend on any joint angle, so it was inverted once, for this page."
     if any(c.wheel.turns for c in measured.contacts):
         why = (
             "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x]. A rotation cancels in HᵀH, so the matrix is "
-            "constant at all steering angles."
+            "constant at all steering angles, and was inverted once, for this page."
         )
+    twist = twist_formulas(d)
     if not d.determined:
         return [
             keyed(
                 "forward.unseen",
                 "The rows do not determine one direction of the twist, so HᵀH is singular. Several twists explain the "
-                "rates equally well. The smallest of them is, with the Moore-Penrose inverse of "
-                f"HᵀH{at_values},",
+                f"rates equally well. The smallest of them has the Moore-Penrose inverse of HᵀH{at_values}. {why}",
             ),
             *math(r"\xi = (H^T H)^{+} H^T z, \qquad H^T H =", normal),
-            f"{why} Its Moore-Penrose inverse was computed once, for this page.",
+            *(["Multiplied out, the twist is", *twist] if twist else []),
         ]
     return [
         keyed(
             "forward.overdetermined",
-            f"There are more rows than unknowns. The least-squares solution is{at_values}",
+            "There are more rows than unknowns. |z − H ξ|² is smallest where its gradient, −2 Hᵀ(z − H ξ), is 0, that "
+            f"is at HᵀH ξ = Hᵀz{at_values}:",
         ),
-        *math(r"\xi = (H^T H)^{-1} H^T z, \qquad H^T H =", normal),
-        f"{why} It was inverted once, for this page.",
-        *_condition(entries),
+        *_least_squares(d, rows, entries, normal, named),
+        f"{why}{_softened(measured)}",
+        *(["Multiplied out, the twist is", *twist] if twist else []),
     ]
+
+
+def _softened(measured: Measurements) -> str:
+    """Say why least squares may give a twist that fixed wheels forbid; "" if it cannot, or without fixed wheels."""
+    if not any(c.wheel.kind.fixed_axle for c in measured.of_wheels):
+        return ""
+    return keyed(
+        "forward.softened",
+        " A sliding row of a fixed wheel counts like a measured speed of 0. If the rates contradict each other, the "
+        "least total error has a part in this row too, so `forward` may return a twist that fixed wheels forbid.",
+    )
+
+
+def _least_squares(
+    d: Derivation, rows: Sequence[Measured], entries: Matrix, normal: str, named: bool
+) -> list[str]:
+    """Write the least-squares solution with its matrix.
+
+    Args:
+        d: the derivation.
+        rows: the rows of H, their values and weights.
+        entries: HᵀH, `unrelated`.
+        normal: HᵀH as LaTeX.
+        named: whether ``normal`` has the named parameters.
+
+    Returns:
+        HᵀH, and its inverse or (HᵀH)⁻¹Hᵀ in lowest terms if that is short. The last formula is the solution.
+    """
+    shown = [r"\xi = (H^T H)^{-1} H^T z", f"H^T H =\n{normal}"]
+    if named and max(len(p.terms) for row in entries for p in row) <= _ENTRY:
+        det = shorter(determinant(entries))
+        adj = adjugate(entries)
+        inverse = _fraction_matrix(adj, det)
+        h = [[unrelated(p) for p in row] for row, _, _ in rows]
+        weighted = any(weight != ONE for _, _, weight in rows)
+        whole = "" if weighted or has_angles_in(rows) else _fraction_matrix(_times(adj, h), det)
+        if whole:
+            shown.append(rf"(H^T H)^{{-1}} H^T = {whole}")
+        elif inverse:
+            shown.append(rf"(H^T H)^{{-1}} = {inverse}")
+    return [*packed(shown), *_condition(entries)]
+
+
+def _times(adj: Sequence[Sequence[Poly]], h: Sequence[Sequence[Poly]]) -> list[list[Poly]]:
+    """Return the product of a matrix and the transpose of another one."""
+    products = []
+    for row in adj:
+        products.append([Poly.sum(map(operator.mul, row, other)) for other in h])
+    return products
+
+
+def has_angles_in(rows: Sequence[Measured]) -> bool:
+    """Return whether a row depends on a joint angle."""
+    return any(has_angles(row) for row, _, _ in rows)
+
+
+def _fraction_matrix(above: Sequence[Sequence[Poly]], below: Poly) -> str:
+    """Return a matrix of polynomials over a common denominator, each entry in lowest terms; "" if it is wide.
+
+    The polynomials may be `unrelated`.
+    """
+    below = related(below)
+    polys = [[related(shorter(p)) for p in row] for row in above]
+    flat = [p for row in polys for p in row]
+    if not _has_short_numbers([*flat, below]) or not all(_is_easy([p, below]) for p in flat):
+        return ""
+    entries = [[_quotient(p, below) for p in row] for row in polys]
+    if _wide(entries) > _STACK and len(entries[0]) <= 3:  # factors make it shorter, but sympy takes longer
+        entries = [[total(terms(reduced(p, below))) if p else "0" for p in row] for row in polys]
+    if _wide(entries) <= _STACK or len(entries[0]) > 3:
+        return matrix(entries) if _wide(entries) <= _STACK else ""
+    shared = common_divisor([*flat, below])
+    entries = [[latex(divided(p, shared)) for p in row] for row in polys]
+    det = factored(divided(below, shared))
+    return rf"\frac{{1}}{{{det}}}{matrix(entries)}" if _wide(entries) + width(det) <= _ALONE else ""
+
+
+def _quotient(above: Poly, below: Poly) -> str:
+    """Return above / below in lowest terms as LaTeX."""
+    product = quotient(above, below)
+    return total(terms(times(expression(product.factor), expression(product.rest)))) if above else "0"
+
+
+def _wide(entries: Sequence[Sequence[str]]) -> int:
+    """Return the number of visible characters in a line of a matrix."""
+    return sum(max(map(width, column)) for column in zip(*entries, strict=True))
 
 
 def _square(d: Derivation, rows: list[Measured]) -> list[str]:
@@ -245,14 +342,20 @@ def _square(d: Derivation, rows: list[Measured]) -> list[str]:
     book = r" = J_1^{-1} J_2\,\dot{\varphi}\;\;(3.31)" if own else ""
     book = book or (r"\;\;(3.30)" if pair(d.robot) else "")
     det = factored(shorter(determinant([[unrelated(p) for p in row] for row, _, _ in rows])))
-    shown = rf", \qquad \det H = {det}" if width(det) <= PAGE else ""
+    shown = [rf"\det H = {det}"] if width(det) <= PAGE else []
+    h = [[unrelated(p) for p in row] for row, _, _ in rows]
+    inverse = _fraction_matrix(adjugate(h), determinant(h))
+    if inverse:
+        shown.append(f"H^{{-1}} = {inverse}")
+    twist = twist_formulas(d)
     return [
         keyed(
             "forward.square",
             "There are as many rows as unknowns. H has full column rank 3 (Tzafestas (2.7)), that is det H ≠ 0, so the "
             "solution is",
         ),
-        *math(rf"\xi = H^{{-1}} z{book}{shown}"),
+        *math(r", \qquad ".join([rf"\xi = H^{{-1}} z{book}", *shown])),
+        *(["Row by row, this is", *twist] if twist else math(r"\xi = H^{-1} z")),
     ]
 
 
@@ -346,24 +449,31 @@ def _relation(rows: Sequence[Measured]) -> list[Exact]:
     return normal if all(p == first.scale(c) for p, c in zip(minors, normal, strict=True)) else []
 
 
-def _rigid(d: Derivation, contacts: Sequence[Contact]) -> list[str]:
+def _rigid(d: Derivation, measured: Measurements) -> list[str]:
     """Write the rigid motion that is nearest to the measured contact velocities."""
+    contacts = measured.contacts
+    constant = measured.constant_normal
     blocks = ["In the robot frame, these wheels have the contact point B and the measured velocity w:"]
-    for c in contacts[:_SHOWN]:
+    if constant:
+        blocks = ["B is the place of the wheel in section 1, and w = r φ̇ e is its measured velocity."]
+    for c in [] if constant else contacts[:_SHOWN]:
         index = f"_{{{notation.wheel(c.wheel.name)}}}"
         b, w = matrix([[c.bx], [c.by]]), matrix([[c.wx], [c.wy]])
         wide_b = max(width(latex(p)) for p in (c.bx, c.by))
         wide_w = max(width(latex(p)) for p in (c.wx, c.wy))
         both = [f"B{index} &= {b}", f"w{index} &= {w}"]
         blocks += aligned(both if wide_b + wide_w > _STACK else [", & ".join(both)])
-    if len(contacts) > _SHOWN:
+    if len(contacts) > _SHOWN and not constant:
         blocks += [f"B and w of {some([c.wheel for c in contacts[_SHOWN:]])} follow in the same way."]
     if len(contacts) == 1:
         return [
             *blocks,
-            "Two rows cannot determine three unknowns. The result is the smallest twist that explains both rows, and "
-            "the residual `slip` is 0.",
+            "Two rows cannot determine three unknowns. The result is the smallest twist that explains both rows, "
+            "v + ω ẑ × B = w. It is ξ = Hᵀ(H Hᵀ)⁻¹ w, which gives",
+            *math(_SMALLEST),
+            "**Residual.** `slip` is 0.",
         ]
+    numbers = twist_formulas(d) if measured.constant_normal else []
     divisor = (
         "The denominator cannot vanish, because the pivots are far enough apart. In the code both sums are multiplied "
         "out and the pivots are measured from their mean: products of sines cancel in B<sub>i</sub> × w<sub>i</sub> "
@@ -373,23 +483,44 @@ def _rigid(d: Derivation, contacts: Sequence[Contact]) -> list[str]:
         divisor = "The code keeps the denominator above 10⁻¹² m²."
     return [
         *blocks,
-        "The rigid motion nearest to these velocities is found in three steps: subtract the means, fit the rotation to "
-        "the differences, then fit the translation to the means.",
-        "This needs two contact points that are apart: H has rank 3 then (Kelly Box 4.2). Here "
-        "p × q = pₓ q<sub>y</sub> − p<sub>y</sub> qₓ. "
-        f"Only one division is left for run time. {divisor} The residual `slip` is the norm of all "
-        f"w<sub>i</sub> − v − ω ẑ × B<sub>i</sub> [m/s]. {_SIGNAL}",
+        "The rigid motion nearest to these velocities minimises Σ |w<sub>i</sub> − v − ω ẑ × B<sub>i</sub>|². Its "
+        "derivatives by v and by ω are 0. A bar denotes the mean, and p × q = pₓ q<sub>y</sub> − p<sub>y</sub> qₓ:",
+        *aligned([
+            r"0 &= \sum_i \left(w_i - v - \omega\,\hat{z}\times B_i\right), \qquad v = \bar{w} - "
+            r"\omega\,\hat{z}\times\bar{B}",
+            r"0 &= \sum_i B_i\times\left((w_i-\bar{w}) - \omega\,\hat{z}\times(B_i-\bar{B})\right) = "
+            r"\sum_i (B_i-\bar{B})\times(w_i-\bar{w}) - \omega\sum_i |B_i-\bar{B}|^2",
+        ]),
+        "This needs two contact points that are apart: H has rank 3 then (Kelly Box 4.2). Hence",
+        *math(_NEAREST),
+        *(
+            [f"The denominator is constant.{_softened(measured)} In numbers, the twist is", *numbers]
+            if numbers
+            else [f"**Code.** Only one division is left for run time. {divisor}"]
+        ),
+        f"**Residual.** `slip` is the norm of all w<sub>i</sub> − v − ω ẑ × B<sub>i</sub> [m/s]. {_SIGNAL}",
     ]  # fmt: skip
 
 
-def _three(measured: Measurements) -> list[str]:
-    """Write the determinant of three rows if it is short, as in bicycle and f1tenth."""
-    if len(measured.rows) != 3 or measured.weighted:
+def _three(d: Derivation, measured: Measurements) -> list[str]:
+    """Write the solution of three rows, if it is short: all rows of bicycle, or rows that have no angles."""
+    if generic_rank(measured) < 3 or measured.weighted:
         return []
-    det = latex(determinant([list(row) for row, _, _ in measured.rows]))
-    if width(det) > WIDE:
+    chosen = _three_rows(d)
+    twist = _solved(d, chosen)
+    if not twist:
         return []
-    return ["Three rows make H square, and det(HᵀH) = (det H)²:", *math(rf"\det H = {det}")]
+    det = latex(determinant([list(row) for row, _, _ in chosen]))
+    if len(measured.rows) == 3:
+        words = "Three rows make H square, and det(HᵀH) = (det H)². By Cramer's rule the solution is"
+    else:
+        words = (
+            "If the rates agree, three independent rows determine the twist, and the other rows add nothing. H₃ and z₃ "
+            "are the rows with the fewest joint angles. By Cramer's rule the solution is"
+        )
+    index = "" if len(measured.rows) == 3 else "_3"
+    shown = [] if index or width(det) > WIDE else math(rf"\det H = {det}")
+    return [keyed("forward.three_rows", words), *_stacked(chosen, index), *shown, *twist]
 
 
 def solution_by_rank(rank: int, may_be_singular: bool) -> list[str]:
@@ -421,10 +552,15 @@ def solution_by_rank(rank: int, may_be_singular: bool) -> list[str]:
             *smallest,
             "If a second direction is lost, it is Hᵀz / c₁.",
         ]
-    inverted = "HᵀH depends on the steering angles, so it is inverted at run time, by cofactors."
+    inverted = (
+        "|z − H ξ|² is smallest where its gradient, −2 Hᵀ(z − H ξ), is 0, that is at HᵀH ξ = Hᵀz. HᵀH depends on the "
+        "steering angles, so it is inverted at run time, by cofactors."
+    )
+    solved = math(r"\xi = (H^T H)^{-1} H^T z")
     if not may_be_singular:
         return [
             inverted,
+            *solved,
             keyed(
                 "forward.always_regular",
                 "Its rows without steering angles have rank 3 (Tzafestas (2.8a)), so det(HᵀH) cannot vanish.",
@@ -432,6 +568,7 @@ def solution_by_rank(rank: int, may_be_singular: bool) -> list[str]:
         ]
     return [
         inverted,
+        *solved,
         keyed(
             "forward.may_be_singular",
             "This needs an H of full column rank 3 (Tzafestas (2.8a)). At joint angles at which the rows do not "
@@ -478,6 +615,11 @@ def closed_forward(d: Derivation) -> list[str]:
     ]
 
 
+def twist_formulas(d: Derivation) -> list[str]:
+    """Return the twist of a constant matrix as the result has it, without the values of its factors; [] if long."""
+    return (in_named_lengths(d) or _in_numbers(d))[:1]
+
+
 def in_named_lengths(d: Derivation) -> list[str]:
     """Return the twist in the named lengths and angles if that is short, and the values of its factors."""
     products = d.twist_in_symbols
@@ -514,7 +656,7 @@ def _rigid_motion(contacts: int) -> list[str]:
     if contacts == 1:
         return [
             "The smallest twist (v, ω) that explains the velocity w of the contact point B (both in section 7) is",
-            *math(r"\omega = \frac{B \times w}{1 + |B|^2}, \qquad v = w - \omega\,\hat{z}\times B"),
+            *math(_SMALLEST),
         ]
     return [
         "The result is the rigid motion (v, ω) nearest to the velocities w that the wheels measure at their contact "
@@ -526,8 +668,7 @@ def _rigid_motion(contacts: int) -> list[str]:
 def _rule(d: Derivation, numbers: list[str]) -> list[str]:
     """Write the rule behind ``numbers`` if these hide named lengths (jpl_osr), or if there are no numbers."""
     measured = d.measured
-    named = {name for row, value, _ in measured.rows for p in (*row, value) for name in parameters_in(p)}
-    if numbers and not (d.determined and named):
+    if numbers and not (d.determined and _has_names(measured)):
         return []
     below = " Below it is the same with the numbers of this robot." if numbers else ""
     if not d.determined:
@@ -535,7 +676,7 @@ def _rule(d: Derivation, numbers: list[str]) -> list[str]:
             "The smallest twist that fits all measurements best, with H and z of section 7, is",
             *math(r"\xi = (H^T H)^{+} H^T z"),
         ]
-    if not measured.rigid or measured.weighted:
+    if not _as_rigid_motion(d):
         square = len(distinct(measured)) == 3
         return [
             f"The twist that fits all measurements best is computed from H and z of section 7.{below}",
@@ -552,10 +693,27 @@ def _rule(d: Derivation, numbers: list[str]) -> list[str]:
     ]
 
 
-def _from_three_rows(d: Derivation) -> list[str]:
-    """Return the twist that three rows determine, by Cramer's rule, if it is short, as in ackermann_car.
+def _has_names(measured: Measurements) -> bool:
+    """Return whether a named parameter occurs in a row."""
+    return any(parameters_in(p) for row, value, _ in measured.rows for p in (*row, value))
 
-    Rows without joint angles are preferred. If all rows agree, the other rows add nothing.
+
+def _as_rigid_motion(d: Derivation) -> bool:
+    """Return whether the result has the rule for the nearest rigid motion because named lengths are too long."""
+    measured = d.measured
+    plain = measured.constant_normal and measured.rigid and not measured.weighted
+    return plain and d.determined and _has_names(measured) and not in_named_lengths(d)
+
+
+def _from_three_rows(d: Derivation) -> list[str]:
+    """Return the twist that three rows determine, by Cramer's rule, if it is short, as in ackermann_car."""
+    return _solved(d, _three_rows(d))
+
+
+def _three_rows(d: Derivation) -> list[Measured]:
+    """Return three independent rows, those without joint angles first; [] if there are none.
+
+    If all rows agree, the other rows add nothing.
     """
     rows, nominal = d.measured.rows, d.measured_at_nominal
     order = sorted(range(min(len(rows), _ROWS)), key=lambda k: has_angles((*rows[k][0], rows[k][1])))
@@ -564,10 +722,14 @@ def _from_three_rows(d: Derivation) -> list[str]:
         return bool(determinant([list(nominal[k][0]) for k in three]))
 
     three = next(filter(are_independent, combinations(order, 3)), ())
-    chosen = [rows[k] for k in three]
+    return [rows[k] for k in three]
+
+
+def _solved(d: Derivation, chosen: Sequence[Measured]) -> list[str]:
+    """Return the solution of three rows by Cramer's rule; [] if it is long."""
     h, z = [list(row) for row, _, _ in chosen], [value for _, value, _ in chosen]
     below = determinant(h)
-    if not three or not below or not _has_short_numbers([*z, *(p for row in h for p in row)]):
+    if not chosen or not below or not _has_short_numbers([*z, *(p for row in h for p in row)]):
         return []
     above = []
     for row in adjugate(h):

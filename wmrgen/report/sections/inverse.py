@@ -1,20 +1,22 @@
 """Write section 6 and the inverse kinematics of the result: from a twist to the joints, and the `slip` of a twist.
 
-Section 6 says which part of the twist is removed, how steered wheels choose a heading, what limits and couplings
-change, and what `slip` consists of. The result shows the rates of wheels, and where steered wheels point.
+Section 6 says which part of the twist is removed, and derives the formulas of the result from the rows of section 2.
+Then it says how steered wheels choose a heading, what limits and couplings change, and what `slip` consists of. The
+result shows the rates of wheels, and where steered wheels point.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
+from typing import NamedTuple
 
 from wmrgen.analysis.kinematics.least_squares import Projection, project
 from wmrgen.analysis.kinematics.pivots import pivot
 from wmrgen.analysis.kinematics.steer import NARROW, turning_points
 from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry import notation
-from wmrgen.geometry.constraints import XI, castor_rate, driving_row, working_view
+from wmrgen.geometry.constraints import XI, castor_rate, driving_row, rolling_row, sliding_row, working_view
 from wmrgen.geometry.exact.evaluate import fix, sqrt_poly
 from wmrgen.geometry.exact.poly import Gen, Poly, Row, dot
 from wmrgen.geometry.exact.readable import with_sines_squared
@@ -46,7 +48,9 @@ from wmrgen.report.sections.markdown import (
     math,
     minus,
     some,
+    titled,
 )
+from wmrgen.report.sections.rows import equations
 from wmrgen.report.sections.texts import turning_circle
 
 _WORDS = {"vx": "v<sub>x</sub>", "vy": "v<sub>y</sub>", "omega": "ω"}
@@ -63,31 +67,105 @@ def inverse(d: Derivation) -> list[str]:
     twist = driven_twist(projection)
     wheels = [w for w in robot.wheels[:CAP] if w.has_spin]
     couplings, steering = _left_by_couplings(robot, twist), _left_by_steering(robot, twist)
-    blocks = ["## 6 Inverse kinematics", *_projection(projection, not (couplings or steering))]
+    blocks = ["## 6 Inverse kinematics", *_projection(robot, projection, not (couplings or steering))]
     if not wheels:
         return [*blocks, "There is no joint to command."]
-    passive = [w for w in wheels if w.kind.swivels and not w.actuated]
+    if any(w.actuated for w in robot.wheels):
+        blocks += _from_rows(robot, twist, wheels)
     steered = [w for w in wheels if w.kind.steers]
-    if any(w.kind.swivels and w.actuated for w in wheels):
-        blocks += [
-            "The rows of a driven castor give both of its rates: the rolling row φ̇, the sliding row ψ̇."
-        ]
-    if passive:
-        follow = "is not driven; it follows" if len(passive) == 1 else "are not driven; they follow"
-        first = f" For {code(passive[0].name)} these are" if len(passive) > 1 else ""
-        blocks += [f"{some(passive)} {follow}. The rolling row gives φ̇, the sliding row ψ̇.{first}"]
-        blocks += aligned(
-            [spin_rate(passive[0], rim_speed(passive[0], twist)), _swivel_rate(passive[0], twist)]
-        )
     if steered:
-        blocks += [*turning_circle(d.robot), *_steering(robot, steered, twist)]
-    return [*blocks, *_coupled(robot, twist), *_slip(projection, bool(steered), couplings, steering)]
+        blocks += [*titled("Turning circle", turning_circle(d.robot)), *_steering(robot, steered, twist)]
+    return [
+        *blocks,
+        *_following(wheels, twist),
+        *titled("Couplings", _coupled(robot, twist)),
+        *titled("Slip", _slip(projection, bool(steered), couplings, steering)),
+    ]
 
 
-def _projection(projection: Projection, alone: bool) -> list[str]:
+def _from_rows(robot: Robot, twist: Row, wheels: list[Wheel]) -> list[str]:
+    """Derive the formulas of the result from the rows of section 2.
+
+    Args:
+        robot: the robot, its named parameters as symbols.
+        twist: the twist that is driven.
+        wheels: the wheels whose equations are written out.
+
+    Returns:
+        The blocks of Markdown. The last one is the last formula of the inverse kinematics of the result.
+    """
+    blocks = []
+    rims = list(_rims([w for w in wheels if not w.turns], robot, twist))
+    if rims:
+        first = rims[0][0]
+        blocks += [
+            keyed(
+                "inverse.rolling_row",
+                f"The rolling row of a wheel gives its rate. For {code(first.name)} it is",
+            ),
+            *aligned(equations([rolling_row(first, working_view(first))])),
+            _divided(rims, twist, len(rims) < len(wheels)),
+            *aligned([spin_rate(w, rim) for w, rim in rims]),
+        ]
+    for group in _turning_groups(wheels):
+        blocks += _rows_of_pivots(group)
+        blocks += _formulas_of_pivots(group, twist)
+    return blocks
+
+
+def _divided(rims: list[tuple[Wheel, Poly]], twist: Row, some_turn: bool) -> str:
+    """Say how rates follow from rolling rows.
+
+    Args:
+        rims: the wheels that do not turn, with their rim speeds.
+        twist: the twist that is driven.
+        some_turn: whether other wheels turn.
+
+    Returns:
+        A sentence, to be written before the rates.
+    """
+    radius = "r cos γ" if any(w.gamma for w, _ in rims if w.kind.rollers) else "r"
+    which = f"the wheel{'s' * (len(rims) > 1)} that {'do' if len(rims) > 1 else 'does'} not steer"
+    which = which if some_turn else "all wheels" if len(rims) > 1 else "the wheel"
+    driven = f"With the twist that is driven{_absent(twist)}, division" if twist != XI else "Division"
+    mean = ""
+    if any(rim != rim_speed(w, twist) for w, rim in rims):
+        mean = keyed(
+            "inverse.rates_in_common",
+            "; wheels with one speed get the rate that fits their rows best, Σ r·(r φ̇) / Σ r² of the single rates",
+        )
+    return f"{driven} by {radius} gives for {which}{mean}"
+
+
+def _absent(twist: Row) -> str:
+    """Return the components that are not driven, in brackets; "" if there are none."""
+    zero = [f"{_WORDS[n]} = 0" for n, p in zip(TWIST_NAMES, twist, strict=True) if not p]
+    return f" ({notation.listed(zero)})" if zero else ""
+
+
+def _following(wheels: list[Wheel], twist: Row) -> list[str]:
+    """Write the rates of castors that are not driven."""
+    passive = [w for w in wheels if w.kind.swivels and not w.actuated]
+    if not passive:
+        return []
+    follow = "is not driven; it follows" if len(passive) == 1 else "are not driven; they follow"
+    first = f" For {code(passive[0].name)} these are" if len(passive) > 1 else ""
+    return [
+        f"**Castors.** {some(passive)} {follow}. The rolling row gives φ̇, the sliding row ψ̇.{first}",
+        *aligned([spin_rate(passive[0], rim_speed(passive[0], twist)), _swivel_rate(passive[0], twist)]),
+    ]
+
+
+def _projection(robot: Robot, projection: Projection, alone: bool) -> list[str]:
     """Write the nearest admissible twist if it is not the commanded one.
 
-    ``alone``: whether `slip` comes from this projection alone, so that it can be given here.
+    Args:
+        robot: the robot, its named parameters as symbols.
+        projection: the projection of the twist on the admissible twists.
+        alone: whether `slip` comes from this projection alone, so that it can be given here.
+
+    Returns:
+        The blocks of Markdown.
     """
     if projection.twist == XI:
         return []
@@ -101,8 +179,12 @@ def _projection(projection: Projection, alone: bool) -> list[str]:
             slip = f" `slip` is √{count} |{names}|, the norm of the speeds [m/s] at which {count} wheels would slide."
         explained = alone and _forms(projection) in ([XI[0]], [XI[1]])
         return [f"The wheels do not allow {names}, so `inverse` first sets it to 0.{slip * explained}"]
+    row = next((sliding_row(w, working_view(w)) for w in robot.wheels if w.kind.fixed_axle), None)
+    along = f" The sliding row of {code(row.wheel.name)} is" if row else ""
     return [
-        "Not every ξ is admissible. `inverse` removes the part that the wheels do not allow, and drives the rest:",
+        f"Not every ξ is admissible.{along}",
+        *(aligned(equations([row])) if row else []),
+        "`inverse` removes the part of ξ that the wheels do not allow, and drives the rest:",
         *aligned(projected(projection)),
     ]
 
@@ -118,18 +200,17 @@ def _steering(robot: Robot, wheels: list[Wheel], twist: Row) -> list[str]:
         *(_nearer(shift) if len(narrow) < len(wheels) else []),
         *(_wide(_turning(robot, wide)) if wide else []),
         *(_narrow(_ranges(robot, narrow), shift) if narrow else []),
-        *([f"Steering is limited: {_turning(robot, shared)}. Up to the turning points, the common angle is kept and "
-           "clamped to the limits. Beyond them, the opposite heading is taken."] if shared else []),
+        *([f"**Limits.** Steering is limited: {_turning(robot, shared)}. Up to the turning points, the common angle "
+           "is kept and clamped to the limits. Beyond them, the opposite heading is taken."] if shared else []),
     ]  # fmt: skip
 
 
 def _nearer(shift: str) -> list[str]:
     """Write the choice of the nearer heading. ``shift``: the part of the rim speed from a lateral offset."""
     return [
-        "A steered wheel must point along the velocity of its pivot A, which is v<sub>Ax</sub> = v<sub>x</sub> − y ω, "
-        "v<sub>Ay</sub> = v<sub>y</sub> + x ω. At the present angle ψ, this velocity has a component u along the wheel "
-        "and w across it. h is the heading of the wheel at ψ = 0. The wheel rolls at two headings, which are half a "
-        "turn apart. It takes the nearer one, at most 90° away, and drives backwards if u < 0:",
+        "**The nearer heading.** The wheel rolls at two headings, which are half a turn apart. At the present angle ψ, "
+        "v<sub>A</sub> has a component u along the wheel and w across it; h is the heading of the wheel at ψ = 0. The "
+        "wheel takes the nearer heading, at most 90° away, and drives backwards if u < 0:",
         *aligned([
             r"u &= v_{Ax}\cos(h+\psi) + v_{Ay}\sin(h+\psi), & w &= v_{Ay}\cos(h+\psi) - v_{Ax}\sin(h+\psi)",
             rf"\Delta &= \mathrm{{atan2}}\left(\pm w, |u|\right), & \psi^{{+}} &= \psi + \Delta, \qquad "
@@ -144,10 +225,10 @@ def _nearer(shift: str) -> list[str]:
 
 def _wide(ranges: str) -> list[str]:
     return [
-        f"Steering is limited: {ranges}. Up to the turning points, ψ⁺ is kept and clamped to the limits, so that noise "
-        "at a limit does not swing the wheel to the other limit and back. Beyond them, the opposite heading ψ⁺ ± π is "
-        "taken and clamped. Compared with the better of the two, a wheel is at most 5° further from the heading that "
-        "rolls. For a clamped wheel, the root is replaced by the speed of the pivot along the wheel, "
+        f"**Limits.** Steering is limited: {ranges}. Up to the turning points, ψ⁺ is kept and clamped to the limits, "
+        "so that noise at a limit does not swing the wheel to the other limit and back. Beyond them, the opposite "
+        "heading ψ⁺ ± π is taken and clamped. Compared with the better of the two, a wheel is at most 5° further from "
+        "the heading that rolls. For a clamped wheel, the root is replaced by the speed of the pivot along the wheel, "
         "u cos Δ + w sin Δ with Δ = ψ⁺ − ψ."
     ]
 
@@ -156,10 +237,10 @@ def _narrow(ranges: str, shift: str) -> list[str]:
     """Write the angle of wheels with a range of less than a quarter turn."""
     offset = r" - \frac{o\,\omega}{r}" if shift else ""
     return [
-        f"Steering is limited to less than a quarter turn: {ranges}. At most one of the two headings that roll is "
-        "within the limits, and the wheel takes the angle at which it slides least. The limits are m ± ρ. At the "
-        "middle m, the velocity (v<sub>Ax</sub>, v<sub>Ay</sub>) of the pivot A is p along the wheel and q across it. "
-        "h is the heading at ψ = 0. If p = q = 0, the wheel keeps its angle:",
+        f"**Limits.** Steering is limited to less than a quarter turn: {ranges}. At most one of the two headings that "
+        "roll is within the limits, and the wheel takes the angle at which it slides least. The limits are m ± ρ. At "
+        "the middle m, the velocity v<sub>A</sub> is p along the wheel and q across it; h is the heading at ψ = 0. If "
+        "p = q = 0, the wheel keeps its angle:",
         *aligned([
             r"p &= v_{Ax}\cos(h+m) + v_{Ay}\sin(h+m), & q &= v_{Ay}\cos(h+m) - v_{Ax}\sin(h+m)",
             r"t &= \min\left(\max\left(\frac{q}{p}, -\tan\rho\right), \tan\rho\right), & "
@@ -486,15 +567,11 @@ def closed_inverse(d: Derivation) -> list[str]:
         return ["No joint is driven, so there is nothing to command."]
     not_turning = [w for w in wheels if not w.turns]
     lines = [spin_rate(w, rim) for w, rim in _rims(not_turning, robot, twist)]
-    turning = (
-        [w for w in wheels if w.kind.steers],
-        [w for w in wheels if w.kind.swivels and w.actuated],
-    )
     spun = {name for names in turned_apart(robot, twist) for name in names}
     pivots = []
-    for group in filter(None, turning):
+    for group in _turning_groups(wheels):
         tied = any(w.name in spun or not moves_as_partners(robot, w, twist) for w in group)
-        pivots += _pivots(group, twist, tied)
+        pivots += [_words_on_pivots(group, tied), *_formulas_of_pivots(group, twist)]
     shown = "".join([*lines, *pivots])
     stars = [line for line in projected(projection) if line.partition(" &=")[0] in shown]
     blocks = aligned([*stars, *lines]) if stars or lines else []
@@ -528,47 +605,103 @@ def _rims(wheels: list[Wheel], robot: Robot, twist: Row) -> Iterator[tuple[Wheel
             yield w, weighted * total_share.inverse() * shares[w.name]
 
 
-def _pivots(wheels: list[Wheel], twist: Row, tied: bool) -> list[str]:
-    """Write angles and rates of steered wheels, or the rates of driven castors, from the velocities of their pivots.
+def _turning_groups(wheels: list[Wheel]) -> list[list[Wheel]]:
+    """Return the steered wheels and the driven castors, without empty groups."""
+    groups = (
+        [w for w in wheels if w.kind.steers],
+        [w for w in wheels if w.kind.swivels and w.actuated],
+    )
+    return [group for group in groups if group]
 
-    ``tied``: whether couplings change these angles and rates.
-    """
+
+class _Letters(NamedTuple):
+    """How formulas of turning wheels write the heading and lengths."""
+
+    psi: str
+    r: str
+    d: str
+    o: str  # "0" if the contact point is below the pivot or behind it
+
+
+def _letters(wheels: list[Wheel]) -> _Letters:
+    views = [working_view(w) for w in wheels]
+    return _Letters(
+        r"\left(h+\psi\right)" if any(w.heading for w in wheels) else r"\psi",
+        _common_length([g.r for g in views], "r"),
+        _common_length([g.d for g in views], "d"),
+        _common_length([g.o for g in views], "o"),
+    )
+
+
+def _components(psi: str) -> tuple[str, str]:
+    """Return the velocity of a pivot along the wheel, and to its right."""
+    return rf"v_{{Ax}}\cos{psi} + v_{{Ay}}\sin{psi}", rf"v_{{Ax}}\sin{psi} - v_{{Ay}}\cos{psi}"
+
+
+def _rows_of_pivots(wheels: list[Wheel]) -> list[str]:
+    """Write the rows of steered wheels, or of driven castors, in the velocity of the pivot."""
+    letters = _letters(wheels)
+    rim, across = _components(letters.psi)
+    zero = ", with the heading h at ψ = 0," if any(w.heading for w in wheels) else ""
+    velocity = "the velocity v<sub>A</sub> of its pivot (section 2)"
+    if wheels[0].kind.swivels:
+        shift = _minus(letters.o, r"\left(\omega + \dot{\psi}\right)")
+        return [
+            keyed(
+                "inverse.castor_rows",
+                f"In terms of {velocity}, the sliding and the rolling row of a driven castor are{zero}",
+            ),
+            *aligned([
+                rf"{across} &= {letters.d}\left(\omega + \dot{{\psi}}\right)",
+                rf"{rim}{shift} &= {letters.r}\,\dot{{\varphi}}",
+            ]),
+            "Solved for both rates, they give",
+        ]  # fmt: skip
+    shift = _minus(letters.o, r"\omega")
+    return [
+        keyed(
+            "inverse.steered_rows",
+            f"In terms of {velocity}, the sliding and the rolling row of a steered wheel are{zero}",
+        ),
+        *aligned([
+            rf"{across} &= 0",
+            rf"{rim}{shift} &= {letters.r}\,\dot{{\varphi}}",
+        ]),
+        "The first one gives the angle, and the second one the rate:",
+    ]  # fmt: skip
+
+
+def _minus(length: str, rate: str) -> str:
+    """Return - length rate; "" if the length is 0."""
+    return rf" - {length}\,{rate}".replace("- -", "+ ") if length != "0" else ""
+
+
+def _formulas_of_pivots(wheels: list[Wheel], twist: Row) -> list[str]:
+    """Write angles and rates of steered wheels, or the rates of driven castors, from the velocities of their pivots."""
     velocities = []
     for w in wheels:
         along, across = (latex(p) for p in pivot(w, twist))
         velocities.append((f"v_{{Ax}} &= {along}, & v_{{Ay}} &= {across}", notation.wheel(w.name)))
-    turned = any(w.heading for w in wheels)
-    psi = r"\left(h+\psi\right)" if turned else r"\psi"
-    views = [working_view(w) for w in wheels]
-    r = _common_length([g.r for g in views], "r")
-    d = _common_length([g.d for g in views], "d")
-    o = _common_length([g.o for g in views], "o")
-    rim = rf"v_{{Ax}}\cos{psi} + v_{{Ay}}\sin{psi}"
-    across = rf"v_{{Ax}}\sin{psi} - v_{{Ay}}\cos{psi}"
+    letters = _letters(wheels)
+    rim, across = _components(letters.psi)
     if wheels[0].kind.swivels:
-        shift = rf" - {o}\left(\omega + \dot{{\psi}}\right)" if o != "0" else ""
-        first = rf"\dot{{\psi}} &= {_over(across, d)} - \omega"
+        shift = _minus(letters.o, r"\left(\omega + \dot{\psi}\right)")
+        first = rf"\dot{{\psi}} &= {_over(across, letters.d)} - \omega"
     else:
-        shift = rf" - {o}\,\omega" if o != "0" else ""
-        first = rf"\tan{psi} &= \frac{{v_{{Ay}}}}{{v_{{Ax}}}}"
-    return [
-        _words_on_pivots(wheels, turned, bool(shift), tied),
-        *aligned([
-            *(f"{text} && ({', '.join(names)})" for text, names in grouped(velocities).items()),
-            rf"{first}, & \dot{{\varphi}} &= {_over(rim + shift.replace('- -', '+ '), r)}",
-        ]),
-    ]  # fmt: skip
+        shift = _minus(letters.o, r"\omega")
+        first = rf"\tan{letters.psi} &= \frac{{v_{{Ay}}}}{{v_{{Ax}}}}"
+    return aligned([
+        *(f"{text} && ({', '.join(names)})" for text, names in grouped(velocities).items()),
+        rf"{first}, & \dot{{\varphi}} &= {_over(rim + shift, letters.r)}",
+    ])  # fmt: skip
 
 
-def _words_on_pivots(wheels: list[Wheel], turned: bool, offset: bool, tied: bool) -> str:
-    """Return the sentence above the formulas of `_pivots`.
+def _words_on_pivots(wheels: list[Wheel], tied: bool) -> str:
+    """Return the sentence above the formulas of steered wheels or driven castors.
 
-    Args:
-        wheels: steered wheels or driven castors.
-        turned: whether a wheel has a heading other than 0 at ψ = 0.
-        offset: whether the contact point is beside the pivot.
-        tied: whether couplings change the angles and rates.
+    ``tied``: whether couplings change the angles and rates.
     """
+    turned, offset = any(w.heading for w in wheels), _letters(wheels).o != "0"
     castors = wheels[0].kind.swivels
     noun = "driven castor" if castors else "steered wheel"
     who = f"Each {noun}" if len(wheels) > 1 else f"The {noun} {code(wheels[0].name)}"

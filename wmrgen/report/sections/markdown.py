@@ -18,9 +18,10 @@ from wmrgen.geometry import notation
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.exact.poly import Poly
 from wmrgen.geometry.layout.records import Wheel
-from wmrgen.report.sections.latex import latex
+from wmrgen.report.sections.latex import latex, width
 
 CAP = 16  # number of wheels whose equations are written out; more would fill pages with the same equation
+LINE = 70  # visible characters of matrices side by side, whose columns have space between them: 900 px
 _BELOW, _APART = " \\\\\n", " \\\\[4pt]\n"  # between rows of a formula; the second one keeps fractions apart
 _KEY = re.compile(r"\0([a-z_.]+)\0")  # NUL marks a key; no sentence contains it
 _ENTITY = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "$": "&#36;"}
@@ -143,6 +144,11 @@ def items(texts: Iterable[str], marks: Callable[[int], str] = lambda _: "*") -> 
     return ["\n".join(lines)] if lines else []
 
 
+def titled(title: str, blocks: Sequence[str]) -> list[str]:
+    """Return blocks of which the first one begins with a title in bold; [] without blocks."""
+    return [f"**{title}.** {blocks[0]}", *blocks[1:]] if blocks else []
+
+
 def math(*blocks: str) -> list[str]:
     """Return a displayed formula."""
     return ["\n".join(("```math", *blocks, "```"))]
@@ -154,6 +160,20 @@ def matrix(rows: Iterable[Iterable[Poly | str]]) -> str:
     end = _APART if any("\\frac" in entry for row in entries for entry in row) else _BELOW
     body = end.join(" & ".join(row) for row in entries)
     return f"\\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}}"
+
+
+def packed(matrices: list[str]) -> list[str]:
+    """Return matrices, as many side by side as fit on a line."""
+    lines: list[list[str]] = []
+    used = 0
+    for m in matrices:
+        size = max(map(width, m.split("\n")))
+        if not lines or used + size > LINE:
+            lines.append([])
+            used = 0
+        lines[-1].append(m)
+        used += size + 4
+    return [block for line in lines for block in math(r", \qquad ".join(line))]
 
 
 def aligned(lines: Iterable[str]) -> list[str]:
@@ -172,6 +192,15 @@ def written(d: Derivation) -> list[tuple[list[str], str]]:
             names = [name.format(robot=d.robot.name) for name in files.names]
             rows.append((names, files.what))
     return [*rows, (["model.json"], "the contents of the report, as data")]
+
+
+def citation(name: str, facts: Facts) -> list[str]:
+    """Return the line by which texts cite the report of a robot, in a list."""
+    return [
+        f"To cite this report: The wmrgen authors, *wmrgen: exact kinematics of wheeled robots, compiled from their "
+        f"wheel layout*, version {facts.wmrgen_version}, report of {code(name)}, "
+        f"model {(facts.model_hash or 'unhashed')[:12]}."
+    ]
 
 
 def foot(facts: Facts) -> list[str]:

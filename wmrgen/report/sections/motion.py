@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
@@ -104,8 +105,57 @@ def _posture(d: Derivation) -> list[str]:
     ]
     if rates == etas:
         in_eta = [keyed("motion.eta_is_twist", "Since N = I, η is the twist itself, η = ξ.")]
-    driven = _in_driven_speeds(d)
+    driven = [*_towing(d), *_in_driven_speeds(d)]
     return [*general, *(driven or [*in_eta, *_angles(d.robot, d.mobility.basis_wheels)])]
+
+
+def _towing(d: Derivation) -> list[str]:
+    """Derive the yaw rates of trailers from the sliding row of their axle (Tzafestas (2.70))."""
+    robot = d.robot
+    if not robot.trailers:
+        return []
+    hitched = any(t.hitch.nominal for t in robot.trailers)
+    blocks = [
+        keyed(
+            "motion.trailers",
+            "**Trailers.** The coupling of a trailer moves at V, and the trailer turns at θ̇<sub>i</sub>. Its axle, L "
+            "behind the coupling, moves at V − L<sub>i</sub> θ̇<sub>i</sub> n<sub>i</sub>, with "
+            "t<sub>i</sub> = (cos θ<sub>i</sub>, sin θ<sub>i</sub>) and n<sub>i</sub> = ẑ × t<sub>i</sub>. The axle "
+            "does not slide along n<sub>i</sub>, and follows along t<sub>i</sub> at v<sub>i</sub>:",
+        ),
+        *aligned([
+            r"n_i\cdot\left(V - L_i\,\dot{\theta}_i\,n_i\right) &= 0, \qquad "
+            r"\dot{\theta}_i = \frac{n_i\cdot V}{L_i}, \qquad v_i = t_i\cdot V",
+        ]),
+    ]  # fmt: skip
+    turn, pull = r"v_{i-1}\sin(\theta_{i-1}-\theta_i)", r"v_{i-1}\cos(\theta_{i-1}-\theta_i)"
+    ahead = "v<sub>i−1</sub> t<sub>i−1</sub>"
+    if hitched:
+        turn += r" - b_i\,\dot{\theta}_{i-1}\cos(\theta_{i-1}-\theta_i)"
+        pull += r" + b_i\,\dot{\theta}_{i-1}\sin(\theta_{i-1}-\theta_i)"
+        ahead += (
+            " − b<sub>i</sub> θ̇<sub>i−1</sub> n<sub>i−1</sub>, because it is b<sub>i</sub> behind that axle"
+        )
+    if any(w.kind.fixed_axle for w in d.driven.robot.wheels):
+        blocks += [
+            f"The vehicle in front moves the coupling at V = {ahead}. Vehicle 0 is the robot, with the speed and "
+            "heading of its fixed axle:",
+            *aligned([rf"\dot{{\theta}}_i &= \frac{{{turn}}}{{L_i}}, & v_i &= {pull}"]),
+        ]
+    from wmrgen.functions.trailers.flat import flatness
+    from wmrgen.functions.trailers.train import (
+        train,  # these load parts of sympy that robots without trailers need not
+    )
+
+    facts = []
+    with suppress(NotDerivableError):
+        facts.append(
+            f"The position of {flatness(robot, d.mobility).outputs.removeprefix('x, y of ')} is a flat output."
+        )
+    with suppress(NotDerivableError):
+        length = train(robot, d.mobility).size
+        facts.append(f"The chained form is a (2,{length}) chain (`wmrgen model --form chained`).")
+    return [*blocks, *([keyed("motion.chained", " ".join(facts))] if facts else [])]
 
 
 def _angles(robot: Robot, names: Sequence[str]) -> list[str]:

@@ -164,7 +164,12 @@ def _ranges(bounds: Bounds) -> list[str]:
 
 def _files(d: Derivation) -> list[str]:
     """Return the list of generated files."""
-    return ["## Files", *items(f"{', '.join(map(code, names))}: {what}" for names, what in written(d))]
+    return ["## Files", *items(f"{', '.join(map(_link, names))}: {what}" for names, what in written(d))]
+
+
+def _link(name: str) -> str:
+    """Return the name of a file as a link; a pattern of several names has none."""
+    return code(name) if "*" in name else f"[{code(name)}]({name})"
 
 
 def _places(name: str, facts: Facts) -> list[str]:

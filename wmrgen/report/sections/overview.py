@@ -99,8 +99,8 @@ def layout(d: Derivation) -> list[str]:
         "Autonomous Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward and y to the left. The "
         "twist ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in it, R(θ) ξ̇<sub>I</sub> in the book. "
         "Lengths are in metres, angles counter-clockwise in radians unless marked °. Six digits are rounded.",
-        *pictures(d.figures, "symbols.svg"),
         *_wheels(robot.wheels),
+        *pictures(d.figures, "symbols.svg"),
         _legend(robot),
     ]
     if robot.parameters:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
-from itertools import chain, islice, product
+from itertools import islice, product
+from math import degrees
 
 from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.ports import GYRO, TWIST_NAMES
 from wmrgen.report.sections.forward import closed_forward
 from wmrgen.report.sections.inverse import closed_inverse
-from wmrgen.report.sections.markdown import code, keyed, listed, pictures, table, written
+from wmrgen.report.sections.markdown import code, keyed, listed, pictures, table
 from wmrgen.report.sections.numerics import wanted
 from wmrgen.report.sections.overview import kind_of_robot
 from wmrgen.report.wiring import admissible
@@ -19,14 +20,14 @@ from wmrgen.report.wiring import admissible
 Values = Mapping[str, Exact]
 Texts = Mapping[str, str]
 _NO_SLIP = 1e-5  # m/s: rounding of a twist with six digits causes less than this
-_TRIED = 4  # number of twists that are tried until one is recovered exactly from its printed joints
+_TRIED = 8  # number of twists that are tried: the one with the shortest joints is shown; more take too long
 _FEW, _EVERY = 6, 12  # significant digits of printed joints: as few as recover the twist
 _DIGITS = 5  # characters of a round number, with its decimal point
 _MANY = 24  # values in one step of an example; more do not fit on its line
 # Twists that are tried, in tenths of a unit: (vx, vy, omega).
 _SPEEDS: tuple[tuple[Fraction | int, ...], ...] = (
     (5, 2, 4), (5, 0, 4), (5, 0, 2), (5, 0, 1), (5, 0, Fraction(1, 2)), (5, 0, Fraction(1, 10)), (0, 0, 4), (5, 2, 0),
-    (5, 0, 0), (0, 5, 0),
+    (5, 0, 0), (0, 5, 0), (4, 0, 2), (3, 0, 2), (6, 0, 4), (4, 0, 4), (3, 0, 4), (6, 0, 2), (4, 2, 4), (3, 3, 2),
 )  # fmt: skip
 _SCALES = (Fraction(1, 10), Fraction(1, 20), Fraction(1, 50), Fraction(1, 100), Fraction(1, 1000))
 
@@ -71,12 +72,12 @@ def example(d: Derivation) -> list[tuple[str, Texts, Texts]]:
     """
     if not any(w.actuated for w in d.robot.wheels):
         return []
-    tried = ((twist, joints, _again(d, twist, joints)) for twist, joints in islice(_driven(d), _TRIED))
-    first = next(tried, None)
-    if first is None:
+    tried = [(twist, joints, _again(d, twist, joints)) for twist, joints in islice(_driven(d), _TRIED)]
+    if not tried:
         return []
-    repeated = (t for t in chain([first], tried) if not t[2] or t[2] == _each(_six, t[0]))
-    twist, joints, again = next(repeated, first)
+    repeated = [t for t in tried if not t[2] or t[2] == _each(_six, t[0])] or tried[:1]
+    alike = [t for t in repeated if _parts(t[0]) == _parts(repeated[0][0])]
+    twist, joints, again = min(alike, key=lambda t: _digits(t[1]))
     digits = next((k for k in range(_FEW, _EVERY) if _again(d, twist, joints, k) == again), _EVERY)
     own = {n: v for n, v in joints.items() if d.robot.wheel(n.rpartition(".")[0]).actuated}
     steps = [("inverse", _each(_six, twist), _each(_short, own, digits))]
@@ -121,6 +122,17 @@ def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:
                 yield twist, joints
 
 
+def _parts(twist: Values) -> tuple[bool, ...]:
+    """Return which components of a twist are not 0."""
+    return tuple(bool(twist[n]) for n in TWIST_NAMES)
+
+
+def _digits(joints: Values) -> int:
+    """Return how many characters joints take, angles in degrees."""
+    shown = (degrees(float(v)) if n.endswith(".steer") else float(v) for n, v in joints.items())
+    return sum(len(f"{round(v, 6) + 0.0:.{_FEW}g}") for v in shown)
+
+
 def _goes(twist: Values) -> bool:
     """Return whether P moves and the robot turns."""
     return bool(twist["omega"]) and any(twist[n] for n in ("vx", "vy"))
@@ -155,16 +167,12 @@ def _read(text: str) -> Exact:
 
 
 def _files(d: Derivation) -> list[str]:
-    """Return the list of generated files."""
-    names = [name for names, _ in written(d) for name in names]
+    """Say where the generated files are described."""
     further = [f.name for f in wanted(d)]
     more = ""
     if further:
-        more = keyed("files.further", f", together with formulas of the further functions {listed(further)}")
+        more = keyed("files.further", f", and has formulas of the further functions {listed(further)}")
     return [
-        f"**Files** ([numerics.md](numerics.md) describes each{more}): {' · '.join([*map(_link, names)])}"
+        f"**Files**: [numerics.md](numerics.md) lists the generated files{more}. [wiring.md](wiring.md) is a check "
+        "sheet for commissioning."
     ]
-
-
-def _link(name: str) -> str:
-    return code(name) if "*" in name else f"[{code(name)}]({name})"

@@ -27,16 +27,15 @@ from wmrgen.report.sections.latex import (
     width,
     wrapped,
 )
-from wmrgen.report.sections.markdown import aligned, code, keyed, math, matrix, some
+from wmrgen.report.sections.markdown import LINE, aligned, code, keyed, math, matrix, packed, pictures, some
 from wmrgen.robotfile.wheel_types import WheelType
 
 _MATRIX = 12  # rows of a printed matrix; one of more rows does not fit on a screen
-_LINE = 70  # visible characters of matrices side by side, whose columns have space between them: 900 px
 
 
 def wheel_rows(d: Derivation) -> list[str]:
     """Return section 2: all wheel types that occur, in the order of the robot file."""
-    blocks = ["## 2 What each wheel demands"]
+    blocks = ["## 2 What each wheel demands", *pictures(d.figures, "contact.svg"), *_velocity_of_a_wheel(d)]
     for noun in dict.fromkeys(w.kind.noun for w in d.robot.wheels):
         wheels = [w for w in d.robot.wheels if w.kind.noun == noun]
         kind, offset = wheels[0].kind, any(w.nominal.o for w in wheels)
@@ -51,6 +50,49 @@ def wheel_rows(d: Derivation) -> list[str]:
             )
         blocks += _worked(d, wheels) if kind.directed else []
     return blocks
+
+
+def _velocity_of_a_wheel(d: Derivation) -> list[str]:
+    """Derive the velocity of a contact point along e and n, the left sides of (3.12) and (3.13)."""
+    wheels = [w for w in d.robot.wheels if w.kind.directed]
+    if not wheels:
+        return []
+    b = r"\beta(t)" if all(w.turns for w in wheels) else r"\beta"
+    a = rf"(\alpha+{b})"
+    blocks = [
+        keyed(
+            "rows.derived",
+            "P moves at v = (v<sub>x</sub>, v<sub>y</sub>), and the chassis turns at ω. Hence the pivot "
+            "A = (l cos α, l sin α) of a wheel moves at v<sub>A</sub> = v + ω ẑ × A, with ẑ × A = (−l sin α, l cos α). "
+            "The wheel rolls along e, and n = ẑ × e is across it:",
+        ),
+        *aligned([
+            rf"e &= \left(\sin{a}, -\cos{a}\right), & n &= \left(\cos{a}, \sin{a}\right)",
+            rf"e\cdot(\hat{{z}}\times A) &= -l\left(\sin\alpha\sin{a} + \cos\alpha\cos{a}\right) &&= -l\cos{b}",
+            rf"n\cdot(\hat{{z}}\times A) &= -l\sin\alpha\cos{a} + l\cos\alpha\sin{a} &&= l\sin{b}",
+        ]),
+        "e · v<sub>A</sub> and n · v<sub>A</sub> are therefore the products of ξ with the brackets below.",
+    ]  # fmt: skip
+    blocks[-1] += _off_the_pivot(wheels)
+    if any(w.kind.rollers for w in wheels):
+        blocks[-1] += " Rollers let a wheel move freely across their axis, so its e and n are turned by γ."
+    return blocks
+
+
+def _off_the_pivot(wheels: Sequence[Wheel]) -> str:
+    """Derive the terms of a contact point that is not below the pivot; "" if there is none."""
+    trail, offset = any(w.nominal.d for w in wheels), any(w.nominal.o for w in wheels)
+    if not (trail or offset):
+        return ""
+    place = " + ".join(["d e"] * trail + ["o n"] * offset)
+    terms_of = " and ".join(
+        ["n · v<sub>B</sub> has d (ω + ψ̇) more"] * trail + ["e · v<sub>B</sub> has o (ω + ψ̇) less"] * offset
+    )
+    return keyed(
+        "rows.off_the_pivot",
+        f" A contact point B = A + {place} also turns with the wheel, at ω + ψ̇. With ẑ × e = n and ẑ × n = −e, "
+        f"{terms_of}.",
+    )
 
 
 def general_rows(kind: WheelType, offset: bool) -> list[str]:
@@ -83,7 +125,7 @@ def _worked(d: Derivation, wheels: list[Wheel]) -> list[str]:
     own = [c for c in (*d.constraints.rolling, *d.constraints.sliding) if c.wheel.index == first.index]
     return [
         f"For {code(first.name)}, with x = l cos α and y = l sin α, these are",
-        *_plugged(first, [*_equations(own), *(_rollers(first) if first.kind.rollers else [])]),
+        *_plugged(first, [*equations(own), *(_rollers(first) if first.kind.rollers else [])]),
     ]
 
 
@@ -93,12 +135,12 @@ def _plugged(w: Wheel, equations: list[str]) -> list[str]:
     angle = r"\alpha+\beta" + (r"+\gamma" if w.kind.rollers else "") + ("(t)" if w.turns else "")
     sine, cosine = rf"\sin({angle}) &= {latex(ex)}", rf"\cos({angle}) = {latex(-ey)}"
     lefts = [width(e.partition("&=")[0]) for e in equations]
-    if max(lefts) + width(sine) + width(cosine) > _LINE:
+    if max(lefts) + width(sine) + width(cosine) > LINE:
         return [*math(rf"{sine.replace('&', '')}, \qquad {cosine}"), *aligned(equations)]
     return aligned([rf"{sine}, \qquad {cosine}", *equations])
 
 
-def _equations(rows: list[ConstraintRow]) -> list[str]:
+def equations(rows: list[ConstraintRow]) -> list[str]:
     """Return the equations of a wheel. Long ones have their sides exchanged, because only a right side is broken."""
     sides = [_sides(c) for c in rows]
     if any(sum(map(width, left)) > WIDE for left, _ in sides):
@@ -149,23 +191,9 @@ def matrices(d: Derivation) -> list[str]:
         "The rolling equations of all wheels are J₁ ξ = J₂ φ̇ (3.24). The sliding equations of fixed and steered wheels "
         "are C₁ ξ = 0, with C<sub>1f</sub> above C<sub>1s</sub> (3.26). Rows are in the order of the layout table."
         + absent,
-        *_packed(own),
+        *packed(own),
         *_pfaffian(d),
     ]
-
-
-def _packed(matrices: list[str]) -> list[str]:
-    """Return matrices, as many side by side as fit on a line."""
-    lines: list[list[str]] = []
-    used = 0
-    for m in matrices:
-        size = max(map(width, m.split("\n")))
-        if not lines or used + size > _LINE:
-            lines.append([])
-            used = 0
-        lines[-1].append(m)
-        used += size + 4
-    return [block for line in lines for block in math(r", \qquad ".join(line))]
 
 
 def _diagonal(spins: list[str]) -> str:

@@ -1,0 +1,118 @@
+"""Write the report as LaTeX, for theses and papers: the same text and formulas as report.md.
+
+The document is for lualatex or xelatex, because its sentences have Greek letters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import PurePosixPath
+from typing import Any
+
+from wmrgen.report.pages.document import tokens
+
+Token = Any  # of markdown-it
+_HEAD = r"""\documentclass[a4paper,10pt]{article}
+% For lualatex or xelatex. Figures: the .svg files beside this one, by the package svg (with Inkscape), or as PDF.
+\usepackage[margin=20mm]{geometry}
+\usepackage{fontspec,amsmath,graphicx,svg,adjustbox,hyperref}
+\setmainfont{DejaVu Serif}
+\setmonofont{DejaVu Sans Mono}
+\setlength\parindent{0pt}
+\setlength\parskip{4pt}
+\newcommand\fitted[1]{\setbox0\hbox{$\displaystyle#1$}%
+  \ifdim\wd0>\linewidth\resizebox{\linewidth}{!}{\box0}\else\box0\fi}
+\sloppy
+\begin{document}
+"""
+_ESCAPED = {
+    "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%", "_": r"\_",
+    "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"\textless{}", ">": r"\textgreater{}",
+}  # fmt: skip
+_AROUND = {
+    "strong_open": r"\textbf{", "strong_close": "}", "em_open": r"\emph{", "em_close": "}", "softbreak": "\n",
+    "hardbreak": "\\\\\n", "paragraph_open": "", "bullet_list_open": "\\begin{itemize}\n",
+    "bullet_list_close": "\\end{itemize}\n\n", "ordered_list_open": "\\begin{enumerate}\n",
+    "ordered_list_close": "\\end{enumerate}\n\n", "list_item_open": r"\item ", "list_item_close": "",
+    "blockquote_open": "\\begin{quote}\\small\n", "blockquote_close": "\\end{quote}\n\n",
+    "hr": "\\medskip\\hrule\\medskip\n\n", "thead_open": "", "thead_close": "\\hline\n", "tbody_open": "",
+    "tbody_close": "", "tr_open": "", "th_close": "", "td_close": "", "link_close": "}",
+    "heading_close": "}\n\n",
+}  # fmt: skip
+_RAW = {
+    "<sub>": r"\textsubscript{",
+    "</sub>": "}",
+    "<sup>": r"\textsuperscript{",
+    "</sup>": "}",
+    "<br>": "\\\\\n",
+}
+_HEADINGS = {"h1": r"\section*{", "h2": r"\subsection*{", "h3": r"\subsubsection*{"}
+
+
+def tex(text: str) -> str:
+    """Return the LaTeX document of a page of Markdown."""
+    return f"{_HEAD}\n{''.join(_blocks(tokens(text))).rstrip()}\n\\end{{document}}\n"
+
+
+def escaped(text: str) -> str:
+    """Return text in which no letter is LaTeX."""
+    return "".join(_ESCAPED.get(letter, letter) for letter in text)
+
+
+def _blocks(every: Sequence[Token]) -> Iterator[str]:
+    """Yield the LaTeX of each token."""
+    column = 0
+    for k, token in enumerate(every):
+        if token.type == "inline":
+            yield "".join(map(_inline, token.children or []))
+        elif token.type == "fence":
+            yield _fence(token)
+        elif token.type == "paragraph_close":
+            yield "\n" if token.hidden else "\n\n"
+        elif token.type == "heading_open":
+            yield _HEADINGS.get(token.tag, _HEADINGS["h3"])
+        elif token.type == "table_open":
+            yield f"\\begin{{adjustbox}}{{max width=\\linewidth}}\n\\begin{{tabular}}{{{_columns(every[k:])}}}\n"
+        elif token.type == "table_close":
+            yield "\\end{tabular}\n\\end{adjustbox}\n\n"
+        elif token.type in ("th_open", "td_open"):
+            yield " & " if column else ""
+            column += 1
+        elif token.type == "tr_close":
+            yield " \\\\\n"
+            column = 0
+        else:
+            yield _AROUND.get(token.type, escaped(token.content))
+
+
+def _fence(token: Token) -> str:
+    if token.info.strip() == "math":
+        return f"\\[\n\\fitted{{{token.content.strip()}}}\n\\]\n\n"
+    return f"\\texttt{{{escaped(token.content.strip())}}}\n\n"
+
+
+def _columns(rest: Sequence[Token]) -> str:
+    """Return a letter for each column of the table that begins: l, or r if its cells are aligned to the right."""
+    letters = ""
+    for token in rest:
+        if token.type == "thead_close":
+            break
+        if token.type == "th_open":
+            letters += "r" if "right" in str(token.attrs.get("style", "")) else "l"
+    return letters
+
+
+def _inline(token: Token) -> str:
+    """Return the LaTeX of a part of a paragraph."""
+    if token.type == "text":
+        return escaped(token.content)
+    if token.type == "code_inline":
+        return rf"\texttt{{{escaped(token.content)}}}"
+    if token.type == "html_inline":
+        return _RAW.get(token.content, escaped(token.content))
+    if token.type == "image":
+        name = PurePosixPath(str(token.attrs["src"])).stem
+        return rf"\includesvg[width=0.48\linewidth]{{{name}}}"
+    if token.type == "link_open":
+        return rf"\href{{{escaped(str(token.attrs['href']))}}}{{"
+    return _AROUND.get(token.type, escaped(token.content))

@@ -83,7 +83,7 @@ OMEGA = Record(TEXT, "(4.25)", _omega,
     form(symbol(r"\Omega\rho"), EQ, M([[W_X, TWO_W]]), M([R_K, V_K])),
     form(symbol(r"\Omega\rho"), EQ, M([[WW, TWO_W]]), M([R_K, V_K])),
     kind=Class.LIKELY, line="[[omega]x | 2[omega]x][r;v]",
-    remark="(4.31) of the slides has the double cross: one of two equal glyphs side by side will have been lost.")
+    remark="(4.31) of the slides has the double cross: one of two equal glyphs side by side was probably lost.")
 
 xd, yd, psi, DASH = symbol(r"\dot{x}"), symbol(r"\dot{y}"), symbol(r"\psi"), symbol("-")
 

@@ -82,7 +82,7 @@ COMPONENTS = Record(TEXT, "u_i, w_i before (3)", _components,
     forms((U, EQ, lam * (sin(phi_i) - cos(phi_i))), (W_I, EQ, mu * (cos(phi_i) - sin(phi_i)))),
     forms((U, EQ, lam * E_I), (W_I, EQ, mu * N_I)), kind=Class.LIKELY,
     line="u_i = lam_i(sin phi_i - cos phi_i); w_i = mu_i(cos phi_i - sin phi_i)", words="vectors u_i and v_i",
-    remark="The text calls them vectors: the commas between two components will have become signs.")
+    remark="The text calls them vectors: the commas between two components probably became signs.")
 
 DETAIL = Record(TEXT, "(4) in detail, ω₁",
     rights(lambda e: e - (wheel_row(1) * RATES)[0] / r, "wmrgen's rolling row of wheel 1"),
@@ -90,7 +90,7 @@ DETAIL = Record(TEXT, "(4) in detail, ω₁",
     form(w[0], EQ, (xd * sin(phi) - yd * cos(phi) - a * phid) / r),
     slip=undefined(*w, xd, yd, phi, phid, a, r),
     kind=Class.LIKELY, line="omega_1 printed with phi_i",
-    remark="The index i has no value here; wheel 1 stands at φ₁ = φ. ω₂ and ω₃ hold.")
+    remark="The index i has no value here; wheel 1 is at φ₁ = φ. ω₂ and ω₃ hold.")
 
 V = symbol("v")
 SPEED = Record(TEXT, "v²",
@@ -98,8 +98,8 @@ SPEED = Record(TEXT, "v²",
     form(V**2, EQ, sympy.Rational(2, 3) * sum(MU)),
     form(V**2, EQ, sympy.Rational(2, 3) * sum(m**2 for m in MU)),
     kind=Class.LIKELY, line="v^2=(2/3)(mu1+mu2+mu3)",
-    remark="μ₁ + μ₂ + μ₃ is 0 for every motion, so nobody means it. Each missing exponent stands above an index, where "
-           "extractions lose them.")
+    remark="μ₁ + μ₂ + μ₃ is 0 for every motion, so the line cannot be meant. Each missing exponent is above an "
+           "index, where extractions lose them.")
 
 OMEGA = sympy.Symbol(r"\left|\Omega\right|", positive=True)
 OMEGA1 = symbol(r"\Omega_1")
@@ -144,7 +144,7 @@ RADIUS = PACE / W0
 STRAIGHT = {w[2]: -w[0] - w[1]}
 
 HOLDS: tuple[Record, ...] = (
-    holds("(1)", "wheel 2 stands at distance a in direction φ + 120°: wmrgen's layout, turned by φ",
+    holds("(1)", "wheel 2 is at distance a in direction φ + 120°: wmrgen's layout, turned by φ",
           ("x_2", x + a * cos(angle(2)), x + a * (cos(phi) * cos(STEP) - sin(phi) * sin(STEP))),
           ("y_2", y + a * sin(angle(2)), y + a * (sin(phi) * cos(STEP) + cos(phi) * sin(STEP)))),
     holds("vᵢ²", "square of the hub's velocity, (1) differentiated",

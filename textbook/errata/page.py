@@ -22,7 +22,7 @@ _PARTS = (
      "The extraction damaged these lines, or probably did. The entries are no criticism of the texts. They are listed "
      "so that you do not compute with the damaged lines."),
     ("Read with care", (Class.CARE,),
-     "These lines are right as their authors mean them, under a condition or in a convention that is easily missed."),
+     "These lines are right as their authors mean them. They need a condition or a convention that is easily missed."),
 )  # fmt: skip
 _MARKS = {
     ord(c): text for c, text in (("|", "\\|"), ("_", "\\_"), ("*", "\\*"), ("<", "&lt;"), (">", "&gt;"))
@@ -44,10 +44,10 @@ def _opening() -> list[str]:
     ours, second = sum(bool(r.words) for r in ENTRIES), sum(r.second is not None for r in ENTRIES)
     return [
         "# Equations of five texts, checked, and corrections to our copies",
-        f"{len(HOLDS)} equations and statements of five texts were checked in symbols, and hold: see "
-        "[what holds](#1-what-holds). The table counts the numbered equations in them. After them, this page corrects "
-        f"or explains {len(ENTRIES)} lines of our copies that are wrong or need care. `wmrgen textbook` computes every "
-        "check whenever it writes this page.",
+        f"{len(HOLDS)} equations and statements of five texts were checked in symbols, and hold. "
+        "[Section 1](#1-what-holds) lists them. The other sections correct or explain "
+        f"{len(ENTRIES)} lines of our copies that are wrong or need care. The table counts both, and the numbered "
+        "equations in what holds. `wmrgen textbook` computes every check whenever it writes this page.",
         *table(
             ("text", "checks that hold", "numbered equations in them", "lines corrected or explained"),
             [*(_counts(text) for text in BIBLIOGRAPHY), _counts("")],
@@ -55,11 +55,11 @@ def _opening() -> list[str]:
         ),
         "Our sources are text extractions of the works below. **We have not seen the printed pages** or the figures. "
         "A line that is wrong in a copy may be right in print. The copies are not part of this project. An entry "
-        "shows one of two things. `Code` is a note that was made when the line was read. “Quotation marks” "
-        f"contain the wording of a copy, verbatim: our copy in {ours} of the {len(ENTRIES)} entries, and a second copy "
-        f"in {second}, which agrees with ours each time. Lines that were read only once are marked. People judged "
-        "who made a mistake. The check computes that the line fails and that the corrected line holds. Figures at a "
-        "point are rounded to six digits.",
+        "shows a line in one of two forms, or in both. `Code` is our note, made when the line was read. “Quotation "
+        f"marks” contain the wording of a copy, verbatim: our copy in {ours} of the {len(ENTRIES)} entries, and a "
+        f"second copy in {second}, which agrees with ours each time. Lines that were read only once are marked. "
+        "Whether the text or the copy is wrong is our judgement: the check computes only that the line fails and that "
+        "the corrected line holds. Differences at a point are rounded to six digits.",
         *table(
             ("part", "entries", "read in two copies", "read once"),
             (
@@ -85,8 +85,8 @@ def _what_holds() -> list[str]:
     """Return the table of what holds."""
     return [
         "## 1 What holds",
-        "Each line of our copy is written in one notation; a rule for matrices is checked in an instance. It agrees "
-        "identically with the formula that the last column names.",
+        "The table shows each line of our copy in a common notation. Each line agrees identically with the formula "
+        "that the last column names. Rules for matrices are checked for one example.",
         *table(("text", "equation", "as checked", "compared with"), map(_row, HOLDS), "l"),
     ]
 
@@ -113,7 +113,7 @@ def _entry(r: Record) -> list[str]:
         _line(r),
         *(["Normalised:", *_display(r.printed)] if r.printed is not None else []),
         _finding("This", j.printed),
-        *([_finding(f"Where {_words(r.condition)}, it", j.part)] if j.part is not None else []),
+        *([_finding(f"If {_words(r.condition)}, it", j.part)] if j.part is not None else []),
         *([f"{instead}:", *_display(r.corrected)] if r.corrected is not None else []),
         *([_finding("This", j.corrected)] if j.corrected is not None else []),
         *([_words(r.remark)] if r.remark else []),

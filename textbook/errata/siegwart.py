@@ -54,7 +54,7 @@ def _sides(f: Form) -> Finding:
 STANDARD = Record(TEXT, "(3.14)", _sides,
     form(sympy.eye(3), TIMES, WORLD, EQ, ROW, TIMES, WORLD),
     form(ROW, TIMES, sympy.eye(3), TIMES, WORLD, EQ, ROW, TIMES, WORLD), kind=Class.LIKELY,
-    line="eye(3)[xd;yd;thd] = [1 0 0][xd;yd;thd] = 0", remark="The row before the unit matrix will have been lost.")
+    line="eye(3)[xd;yd;thd] = [1 0 0][xd;yd;thd] = 0", remark="The row before the unit matrix was probably lost.")
 
 RSW, PSW = symbol(r"r_{sw}"), symbol(r"\dot{\varphi}_{sw}")
 _TURNED = BETA + GAMMA
@@ -109,7 +109,7 @@ STACK = Record(TEXT, "(3.29), (3.30)", _stack,
     slip=units({vx: (1, -1), vy: (1, -1), omega: (0, -1), L: (1, 0), R: (1, 0), DOT1: (0, -1), DOT2: (0, -1)}),
     kind=Class.LIKELY, line="[[1,0,l],[1,0,-l],[0,1,0]]R xi=[J2 phi;0]",
     second=Quote(64, "· – 1 J ϕ – 1 J ϕ … ξ = R θ() 10 l = R θ() 0 0 1 (3.30)"),
-    remark="The dots over φ will have been lost; right α = −π/2, β = π, left α = π/2, β = 0. The second copy keeps the "
+    remark="The dots over φ were probably lost; right α = −π/2, β = π, left α = π/2, β = 0. The second copy keeps the "
            "dot over ξ and has none over φ either: the page may lack them.")
 
 rho, alpha, beta, v = symbol(r"\rho"), symbol(r"\alpha"), symbol(r"\beta"), symbol("v")

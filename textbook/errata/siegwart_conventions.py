@@ -107,7 +107,7 @@ LOCKED = Record(TEXT, "3.4.2, locked bicycle", _bicycle(pi / 2),
     part=_bicycle(-pi / 2), condition="β₂ = −π/2", kind=Class.CARE,
     line="phi=(x/r)+phi_o for both wheels, beta=pi/2, alpha=(0,pi)",
     second=Quote(76, "{ β 12 = π 2 α = 0 α = π}"),
-    remark="φ = x/r + φ₀ differentiated; that line stands on the next page, which could not be read. With α₂ = π and "
+    remark="φ = x/r + φ₀ differentiated; that line is on the next page, which could not be read. With α₂ = π and "
            "β₂ = π/2 the second wheel points backwards.")
 
 ENTRIES = (CASTOR, STEERABILITY, LOCKED)

@@ -107,7 +107,7 @@ def _brockett(order: int) -> Form:
 
 DOUBLE = Record(TEXT, "(2.60)", _double_integrator, _brockett(1), _brockett(2), kind=Class.LIKELY,
     line="x1dot=u1, x2dot=u2, x3dot=x1 x2dot - x2 x1dot",
-    remark="The text calls it a double integrator: of two dots over a letter the extraction will have lost one.")
+    remark="The text calls it a double integrator: the extraction probably lost one of two dots over a letter.")
 
 Z = [symbol(rf"\dot{{z}}_{k}") for k in (1, 2, 3)]
 
@@ -184,9 +184,9 @@ JINV, ONE_R = symbol("J^{-1}"), 1 / r
 OMNI4 = Record(TEXT, "(2.75c, d)", _omni4,
     form(JINV, EQ, ONE_R, TIMES, UT * BACK, PLUS, DD4), form(JINV, EQ, ONE_R, TIMES, UT * BACK, BAR, DD4),
     kind=Class.LIKELY, line="J^-1 = (1/r)(U^T R^-1(phi) + Dbar), Dbar=[D,D,D,]^T",
-    remark="The column stands beside the matrix: the sign between two blocks will have become a plus, as the fourth D "
-           "was lost after the last comma (put back above). βᵢ is the angle of the wheel's position here, unlike in "
-           "(2.72).")
+    remark="The column is next to the matrix: the sign between the two blocks probably became a plus. The "
+           "fourth D was lost after the last comma, and is put back above. βᵢ is the angle of the wheel's position "
+           "here, unlike in (2.72).")
 
 RR, RS, D1, D2 = (symbol(n) for n in ("R", "r", "d_1", "d_2"))
 S = D1 + D2

@@ -78,8 +78,8 @@ STEER = Record(TEXT, "(2.47a)", at_points(_front_heading, (v, phid), _POINTS, _S
     form(psi, EQ, sympy.atan(D * phid / v)), form(psi, EQ, sympy.atan2(D * phid, v)),
     part=at_points(_front_heading, (v, phid), _POINTS[:2], _SAYS), condition="v > 0", kind=Class.CARE,
     line="psi = arctg(D pd/v)",
-    remark="(2.47b), θ′_w = √(v² + (D φ′)²)/r, then holds as it stands, forwards and backwards. Who keeps |ψ| < π/2 "
-           "instead must give θ′_w the sign of v: one of the two, never both.")
+    remark="(2.47b), θ′_w = √(v² + (D φ′)²)/r, then holds unchanged, forwards and backwards. If you keep "
+           "|ψ| < π/2 instead, give θ′_w the sign of v. Do one of the two, never both.")
 
 def _rates(speed: sympy.Expr) -> list[sympy.Expr]:
     rates = []
@@ -100,7 +100,7 @@ TRAILER_RATES = Record(TEXT, "(2.70)",
     condition="the right-hand sides are rates per unit of v₁, components of the vector field that v₁ multiplies",
     kind=Class.CARE,
     line="phidot_i = (1/L_i) prod_{j=1}^{i-1} cos(phi_{j-1}-phi_j) sin(phi_{i-1}-phi_i)",
-    remark="Taken for rates in time, it has the trailers turn while the robot stands still. (The index of the last "
+    remark="Read as rates in time, it has the trailers turn while the robot is at rest. (The index of the last "
            "product reads prod_{i=1}^{N-1}, for j: likely damage.)")
 
 ENTRIES = (TURNING, CENTRE, STEER, TRAILER_RATES)

@@ -224,7 +224,7 @@ OTHERS = (
     holds("2.3.6, geometry", "each axle L behind the one before, along its own heading",
           ("x_3", XQ - sum(LEN[j] * cos(PHI[j]) for j in (1, 2, 3)), _hitch(3)[0]),
           ("y_3", YQ - sum(LEN[j] * sin(PHI[j]) for j in (1, 2, 3)), _hitch(3)[1])),
-    holds("(2.71b), (2.72)", "wmrgen's rolling row; β is the drive direction, the wheel stands at β − 90°",
+    holds("(2.71b), (2.72)", "wmrgen's rolling row; β is the drive direction, the wheel is at β − 90°",
           ("v_i", vhx * cos(beta) + vhy * sin(beta) + D * phid, (omni_row(beta) * M([vhx, vhy, phid]))[0])),
     holds("(2.73), (2.74)", "wmrgen's rolling rows at β = 0°, 120°, 240°, and their inverse",
           ("J^{-1}", THREE, M.vstack(*(omni_row(k * PI * 2 / 3) for k in range(3))) / r),

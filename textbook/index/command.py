@@ -51,9 +51,10 @@ def _note_missing_files(rows: Iterable[Row]) -> None:
     ]
     if missing:
         name = Path(missing[0]).stem
-        others = f" The other {len(missing) - 1} files are copied alike." if len(missing) > 1 else ""
+        more = len(missing) - 1
+        others = f" Copy the other {more} file{'s' * (more > 1)} in the same way." if more else ""
         console.note(
-            f"`wmrgen new {name} --from {name} -o {missing[0]}` copies the robot file to here.{others}"
+            f"To copy the robot file to this folder: `wmrgen new {name} --from {name} -o {missing[0]}`.{others}"
         )
 
 

@@ -7,7 +7,7 @@ from contextlib import contextmanager, nullcontext
 from fractions import Fraction
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import wmrgen
 from wmrgen.cli import console
@@ -17,12 +17,22 @@ from wmrgen.errors import UsageError
 from wmrgen.geometry.ports import Port, Role
 
 if TYPE_CHECKING:
+    from wmrgen.geometry.layout.records import Robot
     from wmrgen.tools.designs.figures import Design, Facts
     from wmrgen.tools.workers import Map
 
 _MOST = 100_000  # designs: hours of work
 _SIDE_BY_SIDE = 6  # designs: more columns do not fit into a terminal
 _BATCH = 8  # designs that a worker takes at once: transfers take less time than the work
+_DENOMINATOR = 10**9  # of an end of a range: micrometres and microradians stay exact
+
+
+class Range(NamedTuple):
+    """A varied parameter: NAME=LOW:HIGH:N."""
+
+    name: str
+    ends: tuple[str, str]  # as the user writes them, with units
+    number: int
 
 
 @verb("designs")
@@ -51,11 +61,13 @@ def designs(
     odometry, the margin to tip over, operations and flash. With --vary, compute them for many values of parameters.
     """
     found = list(_qualities(_designs(robots, vary or [], out), workers, scheduler))
-    names = [_varied(word)[0] for word in vary or []]
+    names = [_range(word).name for word in vary or []]
     if svg is not None:
         from wmrgen.derivation.artifacts import write_file
-        from wmrgen.tools.designs.picture import picture
+        from wmrgen.tools.designs.picture import differing, picture
 
+        if not differing(found):
+            console.note("the picture has no panel, because no figure differs between the designs")
         write_file(svg, picture(found, names[0] if len(names) == 1 else None).svg.encode())
     if as_json:
         console.data({"designs": found})
@@ -73,46 +85,52 @@ def _designs(robots: Sequence[Path], vary: Sequence[str], out: Path) -> list[Des
     """Return the designs: every robot file with every combination of the varied values."""
     from wmrgen.tools.designs.figures import Design, flash_of, varied
 
-    ranges = [_varied(word) for word in vary]
-    names = [name for name, _ in ranges]
+    ranges = [_range(word) for word in vary]
+    names = [varying.name for varying in ranges]
     if len(set(names)) < len(names):
         raise UsageError(f"--vary names a parameter twice: {', '.join(names)}")
     count = len(robots)
-    for _, values in ranges:
-        count *= len(values)
+    for varying in ranges:
+        count *= varying.number
     if count > _MOST:
         raise UsageError(f"these are {count} designs, more than {_MOST}. Write fewer steps.")
-    grid = list(product(*(values for _, values in ranges)))
     result = []
     for path in robots:
         spec, robot = wmrgen.read(path)
         if not names:
             result.append(Design(spec, (), flash_of(robot.name, path, out)))
             continue
-        for point in grid:
+        for point in product(*(_values(varying, robot) for varying in ranges)):
             chosen = dict(zip(names, point, strict=True))
             varied(spec, chosen)  # UsageError for a name that the file does not have
             result.append(Design(spec, tuple(chosen.items())))
     return result
 
 
-def _varied(word: str) -> tuple[str, list[Fraction]]:
-    """Return the parameter of NAME=LOW:HIGH:N and its values, equally spaced."""
+def _range(word: str) -> Range:
+    """Return the parameter of NAME=LOW:HIGH:N with its range. Raise UsageError for another form."""
     name, equals, text = word.partition("=")
     parts = text.split(":")
     number = parts[2].strip() if len(parts) == 3 else ""
     if not equals or not (number.isascii() and number.isdigit()) or not 1 <= int(number) <= _MOST:
         raise UsageError(f"--vary {word[:60]!r} is not NAME=LOW:HIGH:N. Write --vary half_track=0.1:0.3:21.")
-    port = Port(name.strip(), Role.GEOMETRY, "")
-    ends = [from_words([f"{port.name}={part}"], [port])[port.name] for part in parts[:2]]
+    return Range(name.strip(), (parts[0], parts[1]), int(number))
+
+
+def _values(varying: Range, robot: Robot) -> list[Fraction]:
+    """Return equally spaced values of a parameter, in SI units.
+
+    Raises:
+        UsageError: If an end is no number, or has a unit that does not fit the parameter.
+    """
+    from wmrgen.analysis.kinematics.records import parameter_ports
+
+    known = {port.name: port for port in parameter_ports(robot)}
+    port = known.get(varying.name, Port(varying.name, Role.GEOMETRY, ""))  # `varied` refuses an unknown name
+    ends = [from_words([f"{port.name}={end}"], [port])[port.name] for end in varying.ends]
     low, high = (Fraction(float(end)).limit_denominator(_DENOMINATOR) for end in ends)
-    count = int(number)
-    if count == 1:
-        return port.name, [low]
-    return port.name, [low + (high - low) * k / (count - 1) for k in range(count)]
-
-
-_DENOMINATOR = 10**9  # of an end of a range: micrometres and microradians stay exact
+    steps = max(1, varying.number - 1)
+    return [low + (high - low) * k / steps for k in range(varying.number)]
 
 
 def _qualities(work: Sequence[Design], workers: int | None, scheduler: str | None) -> Iterator[Facts]:

@@ -29,7 +29,7 @@ _STEP = Port("step", Role.COMMAND, "s")
 _SPEED = Port("speed", Role.COMMAND, "m/s")
 _RADIUS = Port("radius", Role.COMMAND, "m")
 _PATIENCE = 60.0  # s: a robot that has not reached its goal by then gives up
-_CRUISE = 0.5  # m/s: walking pace of an indoor robot
+_CRUISE = "0.5"  # m/s, as a user writes it: walking pace of an indoor robot
 _ROUNDING = 1e-9  # relative: a limit is exceeded by more than rounding error
 _MOST_STARTS = 64  # more paths are not visible in one picture
 _LARGEST = 16 << 20  # bytes of a CSV file: an hour at 50 Hz
@@ -48,7 +48,7 @@ class Course(NamedTuple):
     time: str | None
     start: str | None
     law: Law
-    speed: str
+    speed: str | None
     step: str
     angles: Sequence[str]  # NAME=VALUE words
 
@@ -83,8 +83,8 @@ def simulate(
         str | None, option("The duration of --twist; with --goal the longest duration, 60 s.", "T")
     ] = None,
     speed: Annotated[
-        str, option_with_default("The speed of pursuit [m/s]; negative drives backwards.", "V")
-    ] = "0.5",
+        str | None, option("The speed of pursuit [m/s], 0.5 by default; negative drives backwards.", "V")
+    ] = None,
     step: Annotated[
         str, option_with_default("The longest step [s]; a control law computes once in a step.", "T")
     ] = "0.01",
@@ -147,6 +147,10 @@ def _check(course: Course) -> None:
         raise UsageError(f"--time is for --twist and --goal; {named[0]} has times of its own.")
     if course.law != "goto_pose" and course.goal is None:
         raise UsageError(f"--law {course.law} needs a goal. Write --goal X,Y,THETA.")
+    if course.speed is not None and course.law != "pursuit":
+        raise UsageError(
+            "--speed is for --goal with --law pursuit. Write --law pursuit too, or leave out --speed."
+        )
     if (course.start or "").startswith("circle") and course.goal is None:
         raise UsageError("--from circle:N is a circle around the goal. Write --goal X,Y,THETA too.")
 
@@ -167,11 +171,22 @@ def _numbers(text: str, ports: Sequence[Port], what: str) -> tuple[float, ...]:
     return tuple(float(case[port.name]) for port in ports)
 
 
-def _number(text: str, port: Port, positive: bool = True) -> float:
-    """Return the number of an option."""
-    (value,) = _numbers(text, [port], f"--{port.name}")
+def _number(text: str, port: Port, positive: bool = True, what: str = "") -> float:
+    """Return a number of an option.
+
+    Args:
+        text: The number, with a unit if the user writes it.
+        port: What the number is.
+        positive: Whether it must be above 0.
+        what: What messages call it; "" for the option of the name of ``port``.
+
+    Returns:
+        The number in SI units.
+    """
+    what = what or f"--{port.name}"
+    (value,) = _numbers(text, [port], what)
     if positive and value <= 0:
-        raise UsageError(f"--{port.name} must be above 0")
+        raise UsageError(f"{what} must be above 0")
     return value
 
 
@@ -193,7 +208,7 @@ def _starts(course: Course) -> Reals:
         raise UsageError(
             f"--from {course.start[:60]!r}: write circle:8, with 1 to {_MOST_STARTS} poses, or circle:8:2."
         )
-    radius = _number(rest[1], _RADIUS) if len(rest) == 2 else 1.0
+    radius = _number(rest[1], _RADIUS, what="the radius of --from circle:N:RADIUS") if len(rest) == 2 else 1.0
     x, y, theta = _numbers(course.goal or "", POSE, "--goal")
     angles = theta + 2 * np.pi * np.arange(int(rest[0])) / int(rest[0])
     return np.stack(
@@ -269,7 +284,7 @@ def _source(course: Course, model: Model, poses: Reals, angles: Mapping[str, flo
         x, y, theta = _numbers(course.goal, POSE, "--goal")
         if course.law == "goto_pose":
             return GoToPose((x, y, theta), step, time)
-        speed = _number(course.speed, _SPEED, positive=False)
+        speed = _number(_CRUISE if course.speed is None else course.speed, _SPEED, positive=False)
         if not speed:
             raise UsageError("--speed must not be 0")
         return Pursue((x, y), speed, step, time)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -150,13 +151,36 @@ def test_the_picture_and_the_tables(pair: Path, tmp_path: Path) -> None:
     ElementTree.fromstring(svg.read_text(encoding="utf-8"))
 
 
+def test_ends_of_an_axis_are_different_numbers(pair: Path, tmp_path: Path) -> None:
+    """The deviation along the path hardly depends on the radius: three digits would be 0.00711 at both ends."""
+    pair.write_text(PAIR.replace("{proportional: 0.01}", "{proportional: 0.01, constant: 0.002 rad/s}"))
+    svg = tmp_path / "designs.svg"
+    found = run(pair, "--vary", "r=0.050:0.052:3", "--svg", svg)["designs"]
+    low, high = sorted(facts["sigma_x"] for facts in (found[0], found[-1]))
+    assert f"{low:.3g}" == f"{high:.3g}" and low < high
+    texts = [
+        element.text
+        for element in ElementTree.fromstring(svg.read_text(encoding="utf-8")).iter()
+        if element.text
+    ]
+    shown = [float(text) for text in texts if re.fullmatch(r"0\.007\d+", text)]
+    assert len(shown) == 2 and shown[0] != shown[1]
+    assert min(shown) == pytest.approx(low, rel=1e-3) and max(shown) == pytest.approx(high, rel=1e-3)
+
+
+def test_a_picture_of_equal_designs_is_remarked(pair: Path, tmp_path: Path) -> None:
+    done = command_line("designs", pair, "--svg", tmp_path / "designs.svg")
+    assert done.code == 0 and done.err
+    assert not command_line("designs", pair).err
+
+
 @pytest.mark.parametrize(
     "words",
     [
         ["--vary", "half"], ["--vary", "half=1:2"], ["--vary", "half=1:2:0"], ["--vary", "half=1:2:many"],
         ["--vary", "half=a:2:3"], ["--vary", "track=1:2:3"], ["--vary", "half=1:2:3", "--vary", "half=1:2:3"],
         ["--vary", "half=1:2:99999", "--vary", "r=1:2:9"], ["--workers", "0"], ["none.yaml"],
-        ["--workers", "2", "--scheduler", "tcp://127.0.0.1:9"],
+        ["--workers", "2", "--scheduler", "tcp://127.0.0.1:9"], ["--vary", "half=10 deg:30 deg:2"],
     ],
 )  # fmt: skip
 def test_wrong_usage_is_refused(words: Sequence[str], pair: Path) -> None:

@@ -394,6 +394,9 @@ BAD: Mapping[str, Sequence[str]] = {
     "missing robot": ["--twist", "1,0,0", "--time", "1", "--compare", "none.yaml"],
     "speed of nothing": ["--goal", "1,0,0", "--law", "pursuit", "--speed", "0"],
     "time of a table": ["inputs.csv", "--time", "2"],
+    "speed without pursuit": ["--goal", "1,0,0", "--speed", "0.5"],
+    "speed of a twist": ["--twist", "1,0,0", "--time", "1", "--speed", "0.5"],
+    "circle of radius 0": ["--goal", "0,0,0", "--from", "circle:8:0"],
 }
 
 

@@ -98,8 +98,11 @@ class Balance(NamedTuple):
         if self.surplus:
             of = "angles" if self.joint == "steer" else "rates"
             if self.motors == 1:
-                return f"{head}, 1 beyond need: one {of.removesuffix('s')} alone lets every wheel roll"
-            return f"{head}, {self.surplus} beyond need: {self.surplus} relation{relations} must hold between the {of}"
+                return f"{head}, 1 more than needed: one {of.removesuffix('s')} alone lets every wheel roll"
+            return (
+                f"{head}, {self.surplus} more than needed: {self.surplus} relation{relations} must hold between "
+                f"the {of}"
+            )
         return f"{head}, exactly enough"
 
 

@@ -133,7 +133,7 @@ def _rows(d: Derivation, steps: Steps) -> list[str]:
     c = constrain(d.robot, nominal_view)
     twist = _pair(*(steps.values[n] for n in TWIST_NAMES))
     wheels = [w for w in d.robot.wheels if w.kind.directed and not w.kind.swivels]
-    lines = [f"ξ = {twist} runs through this page. The rows of section 3 times ξ are, in m/s,"]
+    lines = [f"ξ = {twist} is the example twist of this page. The rows of section 3 times ξ are, in m/s,"]
     for w in wheels[:_MANY]:
         lines.append(f"{code(w.name)}: {'; '.join(_rows_of(c, w, steps.values))}")
     return lines if wheels else []

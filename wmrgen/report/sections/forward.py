@@ -563,7 +563,7 @@ def solution_by_rank(rank: int, may_be_singular: bool) -> list[str]:
             *solved,
             keyed(
                 "forward.always_regular",
-                "Its rows without steering angles have rank 3 (Tzafestas (2.8a)), so det(HᵀH) cannot vanish.",
+                "The rows of H without steering angles have rank 3 (Tzafestas (2.8a)), so det(HᵀH) cannot be 0.",
             ),
         ]
     return [

@@ -127,14 +127,14 @@ def _divided(rims: list[tuple[Wheel, Poly]], twist: Row, some_turn: bool) -> str
     radius = "r cos γ" if any(w.gamma for w, _ in rims if w.kind.rollers) else "r"
     which = f"the wheel{'s' * (len(rims) > 1)} that {'do' if len(rims) > 1 else 'does'} not steer"
     which = which if some_turn else "all wheels" if len(rims) > 1 else "the wheel"
-    driven = f"With the twist that is driven{_absent(twist)}, division" if twist != XI else "Division"
+    at = f" at the twist that is driven{_absent(twist)}" if twist != XI else ""
     mean = ""
     if any(rim != rim_speed(w, twist) for w, rim in rims):
         mean = keyed(
             "inverse.rates_in_common",
             "; wheels with one speed get the rate that fits their rows best, Σ r·(r φ̇) / Σ r² of the single rates",
         )
-    return f"{driven} by {radius} gives for {which}{mean}"
+    return f"For {which}, division by {radius}{at} gives{mean}"
 
 
 def _absent(twist: Row) -> str:
@@ -446,8 +446,8 @@ def _left_by_steering(robot: Robot, twist: Row) -> dict[str, str]:
     return {
         square: keyed(
             "slip.across",
-            f"v<sub>⊥</sub> = {' or '.join(speeds)}, the speed across {which} if {reasons} keeps it from the heading "
-            f"that rolls{summed}",
+            f"v<sub>⊥</sub> = {' or '.join(speeds)}, the speed at which {which} slides sideways if {reasons} keeps it "
+            f"from the heading at which it rolls{summed}",
         )
     }
 
@@ -667,7 +667,7 @@ def _rows_of_pivots(wheels: list[Wheel]) -> list[str]:
             rf"{across} &= 0",
             rf"{rim}{shift} &= {letters.r}\,\dot{{\varphi}}",
         ]),
-        "The first one gives the angle, and the second one the rate:",
+        "The sliding row gives the angle, and the rolling row gives the rate:",
     ]  # fmt: skip
 
 

@@ -102,8 +102,8 @@ def _remark(m: Mobility) -> list[str]:
             "δ<sub>m</sub> + δ<sub>s</sub>."
         ]
     return [
-        "The book writes rank C<sub>1s</sub> in (3.41). The rank that steering adds to C<sub>1f</sub> does not count "
-        "wheels twice whose axles always meet in one point."
+        "The book writes rank C<sub>1s</sub> in (3.41). Here δ<sub>s</sub> is the rank that steering adds to "
+        "C<sub>1f</sub>, because this does not count wheels twice if their axles always meet in one point."
     ]
 
 
@@ -206,7 +206,7 @@ def integrability(d: Derivation) -> list[str]:
     return [
         "Can the constraints be integrated? In the world coordinates q = (x, y, θ), the sliding row of a wheel is "
         f"c(q) q̇ = 0{fixed}. χ is its rolling direction in the world, and k the third entry. By Frobenius's "
-        "theorem it can be integrated only if c · curl c = 0:",
+        "theorem, this constraint can be integrated only if c · curl c = 0:",
         *math(
             r"c = \begin{bmatrix} -\sin\chi & \cos\chi & k \end{bmatrix}, \qquad "
             r"c\cdot\mathrm{curl}\,c = c\cdot\begin{bmatrix} \sin\chi & -\cos\chi & 0 \end{bmatrix}"
@@ -310,9 +310,9 @@ def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
     wheels = [d.robot.wheel(s.wheels[0]) for s in pivots]
     turns = any(_turns_about(w, d.mobility) for w in wheels)
     if turns:
-        when = keyed("singular.on_pivot", "if it is the ICR or the robot stands still")
+        when = keyed("singular.on_pivot", "This happens if the pivot is the ICR, or if the robot is at rest.")
     else:
-        when = keyed("singular.at_standstill", "only if the whole robot stands still")
+        when = keyed("singular.at_standstill", "This happens only if the whole robot is at rest.")
     robot = d.in_symbols.robot
     twist = driven_twist(project(robot, d.in_symbols.mobility))
     unlike = any(not moves_as_partners(robot, w, twist) for w in robot.wheels if w.kind.steers)
@@ -323,9 +323,9 @@ def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
             " A shared angle is also undefined where Σ u w and Σ (u² − w²) of its wheels are both 0.",
         )
     return [
-        f"The heading of a steered wheel ({some(wheels)}) is undefined if its pivot (x, y) stands still, "
-        f"v<sub>x</sub> − y ω = 0 and v<sub>y</sub> + x ω = 0: {when}.{shared} Near such twists, small changes "
-        "of the twist need large changes of the angle."
+        f"The heading of a steered wheel ({some(wheels)}) is undefined if its pivot (x, y) does not move: "
+        f"v<sub>x</sub> − y ω = 0 and v<sub>y</sub> + x ω = 0. {when}{shared} Near these twists, small changes of the "
+        "twist need large changes of the angle."
     ]
 
 

@@ -97,8 +97,9 @@ def layout(d: Derivation) -> list[str]:
         "## 1 The layout",
         "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, *Introduction to "
         "Autonomous Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward and y to the left. The "
-        "twist ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in it, R(θ) ξ̇<sub>I</sub> in the book. "
-        "Lengths are in metres, angles counter-clockwise in radians unless marked °. Six digits are rounded.",
+        "twist ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in this frame; the book writes R(θ) "
+        "ξ̇<sub>I</sub>. Lengths are in metres. Angles are counter-clockwise, in radians unless marked °. Numbers are "
+        "rounded to six digits.",
         *_wheels(robot.wheels),
         *pictures(d.figures, "symbols.svg"),
         _legend(robot),

@@ -86,7 +86,8 @@ def _off_the_pivot(wheels: Sequence[Wheel]) -> str:
         return ""
     place = " + ".join(["d e"] * trail + ["o n"] * offset)
     terms_of = " and ".join(
-        ["n · v<sub>B</sub> has d (ω + ψ̇) more"] * trail + ["e · v<sub>B</sub> has o (ω + ψ̇) less"] * offset
+        ["n · v<sub>B</sub> = n · v<sub>A</sub> + d (ω + ψ̇)"] * trail
+        + ["e · v<sub>B</sub> = e · v<sub>A</sub> − o (ω + ψ̇)"] * offset
     )
     return keyed(
         "rows.off_the_pivot",

@@ -41,7 +41,7 @@ def picture(designs: Sequence[Facts], axis: str | None) -> Figure:
         The figure. Qualities that are equal for all designs, or unknown, are left out.
     """
     names = list(dict.fromkeys(str(facts["name"]) for facts in designs))
-    shown = [quality for quality in QUALITIES if _differs(quality, designs)]
+    shown = differing(designs)
     groups: list[Group] = [("", [_STYLE])]
     wide = (WIDTH - 2 * _SIDE) / _COLUMNS
     top = 8.0
@@ -63,6 +63,11 @@ def picture(designs: Sequence[Facts], axis: str | None) -> Figure:
     over = f" over {axis}" if axis else ""
     alt = f"{len(designs)} designs of {', '.join(names)}{over}: {', '.join(quality.title for quality in shown)}."
     return figure(FILE, alt, top, groups)
+
+
+def differing(designs: Sequence[Facts]) -> list[Quality]:
+    """Return the qualities that are not equal for all designs: those that the picture draws."""
+    return [quality for quality in QUALITIES if _differs(quality, designs)]
 
 
 def _numbers(designs: Sequence[Facts], name: str) -> str:
@@ -120,18 +125,20 @@ def _panel(
         x = left + inset + (right - left - 2 * inset) * (place - first) / length
         return x, lower - inset - (lower - upper - 2 * inset) * (value - low) / span
 
+    bottom, top = _different(low, high)
+    start, end = _different(first, last)
     paper = Paper((0.0, 0.0, WIDTH, lower + 20))
     unit = f" [{quality.unit}]" if quality.unit else ""
     elements = [
         paper.write((box[0], box[1] + _GAP - 20), f"{quality.title}{unit}", "title"),
         line((left, lower), (right, lower), "rest"),
         line((left, upper), (left, lower), "rest"),
-        text((left - 5, lower - 2), _short(low), "words end"),
-        text((left + 2, lower + 13), _short(first), "words"),
-        text((right, lower + 13), f"{_short(last)}{'' if axis is None else f' {axis}'}", "words end"),
+        text((left - 5, lower - 2), bottom, "words end"),
+        text((left + 2, lower + 13), start, "words"),
+        text((right, lower + 13), f"{end}{'' if axis is None else f' {axis}'}", "words end"),
     ]
     if high > low:
-        elements.append(text((left - 5, upper + 9), _short(high), "words end"))
+        elements.append(text((left - 5, upper + 9), top, "words end"))
     for k, name in enumerate(names):
         points = []
         for place, facts in zip(places, designs, strict=True):
@@ -148,8 +155,13 @@ def _panel(
     return elements
 
 
-def _short(value: float) -> str:
-    """Return a number with three significant digits, whole numbers in full."""
-    return (f"{value:.0f}" if value == round(value) and abs(value) < 1e6 else f"{value:.3g}").replace(
-        "-", "−"
-    )
+def _different(low: float, high: float) -> tuple[str, str]:
+    """Return two numbers with three significant digits, or with up to six if fewer do not show a difference."""
+    texts = [(_short(low, digits), _short(high, digits)) for digits in (3, 4, 5, 6)]
+    return next((pair for pair in texts if pair[0] != pair[1]), texts[0])
+
+
+def _short(value: float, digits: int) -> str:
+    """Return a number with some significant digits, whole numbers in full."""
+    whole = value == round(value) and abs(value) < 1e6
+    return (f"{value:.0f}" if whole else f"{value:.{digits}g}").replace("-", "−")

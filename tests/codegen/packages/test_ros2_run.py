@@ -130,7 +130,7 @@ def test_faults_have_their_behaviour_and_one_line_each(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_colcon_builds_the_packages(tmp_path: Path) -> None:
-    """Those of eight robots in one workspace. ament_cmake belongs to the Python of the system, hence the order of folders."""
+    """Those of eight robots in one workspace. ament_cmake belongs to the system's Python, whose folders come first."""
     need("cmake", "gcc")
     if shutil.which("colcon") is None:  # it cannot print its version
         missing("colcon is not installed")

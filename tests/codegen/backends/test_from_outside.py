@@ -39,9 +39,9 @@ def test_derive_writes_its_files(wmrgen_cli: Cli, robot_file: Path, tmp_path: Pa
     assert "pair.lua" in json.loads(files["manifest.json"])["files"]
     assert wmrgen_cli("check", robot_file, "-o", tmp_path / "out").code == 0
     report = files["report.md"].decode()
-    assert "[`pair.lua`](pair.lua)" in report
+    assert "[numerics.md](numerics.md)" in report
     numerics = files["numerics.md"].decode()
-    assert "* `pair.lua`: the functions for Lua" in numerics
+    assert "* [`pair.lua`](pair.lua): the functions for Lua" in numerics
     assert "Lines of `pair.lua`" in numerics and "Lines of `pair.c`" in numerics
     (tmp_path / "out" / "pair" / "pair.lua").write_text("")
     assert wmrgen_cli("check", robot_file, "-o", tmp_path / "out").code == 1

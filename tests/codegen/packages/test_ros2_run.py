@@ -129,18 +129,17 @@ def test_faults_have_their_behaviour_and_one_line_each(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_colcon_builds_the_package(tmp_path: Path) -> None:
-    """ament_cmake belongs to the Python of the system, so its folders come first."""
+def test_colcon_builds_the_packages(tmp_path: Path) -> None:
+    """Those of eight robots in one workspace. ament_cmake belongs to the system's Python, whose folders come first."""
     need("cmake", "gcc")
     if shutil.which("colcon") is None:  # it cannot print its version
         missing("colcon is not installed")
-    put(tmp_path / "src" / "pioneer3dx", of_gallery("pioneer3dx", "ros2"))
+    for robot in ROBOTS:
+        put(tmp_path / "src" / robot, of_gallery(robot, "ros2"))
     environment = os.environ | {"PATH": f"/usr/bin:/bin:{os.environ['PATH']}"}
     done = subprocess.run(["colcon", "build"], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
-    place = tmp_path / "install" / "pioneer3dx_kinematics" / "lib" / "pioneer3dx_kinematics"
-    assert {path.name for path in place.iterdir()} == {
-        "libpioneer3dx_bridge.so",
-        "pioneer3dx_node",
-        "pioneer3dx_core.py",
-    }
+    for robot in ROBOTS:
+        place = tmp_path / "install" / f"{robot}_kinematics" / "lib" / f"{robot}_kinematics"
+        names = {path.name for path in place.iterdir()}
+        assert names == {f"lib{robot}_bridge.so", f"{robot}_node", f"{robot}_core.py"}

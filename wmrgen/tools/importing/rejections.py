@@ -135,7 +135,7 @@ def _drawn_alone(sight: Sight, c: Candidate) -> str:
     REJECTIONS,
     "propeller",
     "The propellers of a drone or a boat turn without end, and one with a level axis may be the lowest part.",
-    "a small input in tests/tools/importing/test_rejections.py, with plugins of rotors and thrusters",
+    "engine.xacro of the WAM-V (osrf/vrx): its propellers turn about x and are its lowest parts",
 )
 def _propeller(sight: Sight, c: Candidate) -> str:
     names = {name.rsplit("::", 1)[-1] for name in (c.joint.name, c.joint.child)}
@@ -292,7 +292,7 @@ def _in_the_air(robot: Robot, joint: Joint, wheels: Sequence[Candidate]) -> str:
     REMARKS,
     "upright axis",
     "A body as CAD exports it has z across, and no joint that is called a wheel has a level axis.",
-    "a small input in tests/tools/importing/test_rejections.py; without the note the refusal has no reason",
+    "a public lesson, repository unknown: its caster_wheel_joint turns a ball about z",
 )
 def _lies(robot: Robot, joint: Joint, wheels: Sequence[Candidate]) -> str:
     turns = joint.spins and robot.upright(joint) and not robot.moving_below(joint.child)
@@ -303,7 +303,7 @@ def _lies(robot: Robot, joint: Joint, wheels: Sequence[Candidate]) -> str:
     REMARKS,
     "limits",
     "A wheel's joint with limits is no wheel, which the user may have written by mistake.",
-    "a small input in tests/tools/importing/test_rejections.py; without the note the refusal has no reason",
+    "Prius.urdf (RobotLocomotion/drake, issue 2476): joints of wheels that are revolute",
 )
 def _limited(robot: Robot, joint: Joint, wheels: Sequence[Candidate]) -> str:
     turns = joint.turns and not joint.spins and called_wheel(joint)

@@ -92,7 +92,7 @@ def _steered_beside(subject: Subject, wheel: Wheel, c: Candidate) -> Iterator[Qu
     RULES,
     "passive steering axis",
     "A castor that is drawn without trail is read as a steered wheel, which no motor steers.",
-    "a small input in tests/tools/importing/test_questions.py; the robot file would have a joint without a motor",
+    "a public rover, repository unknown: its caster_fork_joint is straight above its caster_wheel_joint",
 )
 def _passive(subject: Subject, wheel: Wheel, c: Candidate) -> Iterator[Question]:
     powered = subject.powered
@@ -139,7 +139,7 @@ def _transmitted(subject: Subject, wheel: Wheel, c: Candidate) -> Iterator[Quest
     RULES,
     "sphere that nothing drives",
     "The ball of a castor that a simulator turns about one axle is read as a plain wheel.",
-    "a small input in tests/tools/importing/test_questions.py, as simulators have castors",
+    "six public copies of one lesson's robot: front_caster_joint and back_caster_joint turn balls of 15 mm about y",
 )
 def _ball(subject: Subject, wheel: Wheel, c: Candidate) -> Iterator[Question]:
     passive = not c.steer and subject.powered and wheel.actuated == ()

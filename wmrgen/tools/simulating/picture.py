@@ -22,7 +22,8 @@ from wmrgen.tools.simulating.model import Reals
 
 FILE = "drive.svg"
 _PATH: Box = (16.0, 26.0, WIDTH - 16.0, 330.0)  # px: the panel of the path
-_PLOT, _GAP = 62.0, 40.0  # px: height of a plot, and space above it for its title and the first row of its legend
+_PLOT = 62.0  # px: height of a plot
+_GAP = 40.0  # px above a plot, for its title and the first row of its legend
 _ROW = 15.0  # px from one row of a legend to the next
 _LEFT, _RIGHT = 62.0, WIDTH - 16.0  # px: ends of the time axis; numbers are at its left
 _FRAMES = 120  # keyframes of an animation: four a second in the longest one

@@ -41,7 +41,6 @@ FOLDS = 5  # parts that logs are left out in, one after the other
 SHORT = 20.0  # [s] of a leg in the first fit: odometry with parameters 10 % off still follows it
 _BRIEF = 6.0  # [s] of a leg in which slips are looked for: a slip is in one of many
 _ODDS = 100.0  # to one against a number of turns, above which it is not reported
-_ALONE = 0.9  # of a unit: an unknown that lies so far in directions that are not determined is not determined itself
 _ROUNDS = 3  # of cutting slips: a large one hides small ones
 
 
@@ -223,13 +222,14 @@ def settled(fit: Fit) -> Determined:
     nominal = split(covariance.shared, fit.problem.free)[1]
     if nominal.shape[1]:
         kept = observability.without(fit.problem.free, nominal)
-        if np.linalg.norm(nominal[-1]) > _ALONE:  # nothing says how the tracked body is turned
+        weak = groups(fit.problem, fit.problem.increments.parameters, nominal)
+        if ("mount.theta",) in weak:  # nothing says how the tracked body is turned
             fit = replace(fit, problem=replace(fit.problem, mount=(0.0, 0.0, 0.0)))
         off = (fit.state.shared - fit.problem.origin) / fit.problem.units
         shared = fit.problem.origin + fit.problem.units * (kept @ (kept.T @ off))
         problem = replace(fit.problem, free=kept)
         fit = _again(problem, replace(fit, state=replace(fit.state, shared=shared)))
-        fit = _with_nominal(fit, groups(problem, problem.increments.parameters, nominal))
+        fit = _with_nominal(fit, weak)
         level = noise.of_fit(fit)
         covariance = noise.covariance(fit, level)
     return Determined(

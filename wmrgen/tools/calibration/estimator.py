@@ -23,7 +23,7 @@ _STEPS = 60  # at most; ten are usual
 _NEAR = 1e-2  # residuals in units of the scale: a smaller change of the cost than its square is negligible
 _DAMP = 1e-3  # of the diagonal: the first damping after a step that failed (Marquardt 1963)
 _LEAST = 1e-9  # of a start of a leg: far below what one pose says
-_TYPICAL = 1.5  # times the median residual: the standard deviation of a normal distribution
+MEDIAN = 1.5  # times the median residual: the standard deviation of a normal distribution
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,4 +230,4 @@ def typical(fit: Fit) -> float:
         place = np.hypot(one.values[0], one.values[1])[coordinates > 0]
         sizes += [place / np.sqrt(coordinates[coordinates > 0]), np.abs(one.values[2][measured[2]])]
     every = np.concatenate(sizes)
-    return max(_TYPICAL * float(np.median(every)), FINEST) if len(every) else fit.problem.scale
+    return max(MEDIAN * float(np.median(every)), FINEST) if len(every) else fit.problem.scale

@@ -15,12 +15,12 @@ from wmrgen.geometry.ports import GYRO
 from wmrgen.tools.calibration import start
 from wmrgen.tools.calibration.estimator import Fit
 from wmrgen.tools.calibration.logs import Log
+from wmrgen.tools.calibration.model import unit_of
 from wmrgen.tools.calibration.observability import WEAK, Estimate
 from wmrgen.tools.calibration.path import Reals
 
 STRETCH = 20.0  # [s] of a stretch
 _FEWEST = 4  # stretches, of which two unknowns leave two for their deviations
-_UNIT = 0.1  # how far a scale is about from 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ def gyro(fit: Fit) -> GyroEstimate | None:
     # By scale, and by scale times bias.
     values, covariance = _solved([(rows[:, 1:] * (1, -1), rows[:, 0]) for rows in stretches])
     scale, product = values
-    if covariance[0, 0] < (WEAK * _UNIT) ** 2:
+    if covariance[0, 0] < (WEAK * unit_of(1.0)) ** 2:
         by = np.array([-product / scale, 1.0]) / scale  # of the bias, product / scale
         sigma = float(np.sqrt(by @ covariance @ by))
         return GyroEstimate(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from wmrgen.tools.calibration.estimator import Fit
+from wmrgen.tools.calibration.estimator import MEDIAN, Fit
 from wmrgen.tools.calibration.model import LEVER
 from wmrgen.tools.calibration.noise import Track
 from wmrgen.tools.calibration.path import Reals
@@ -23,7 +23,6 @@ _FAR = 20.0
 _WINDOW = 3.0
 _LASTS = 1.0  # [s] between the two windows: slips are short
 _ROWS = 3  # reference poses that a window and a leg must have
-_MEDIAN = 1.4826  # standard deviations of a normal distribution in a median absolute value
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +48,7 @@ def find(fit: Fit, every: list[Track]) -> list[tuple[int, Slip]]:
         return []
     sizes = np.abs(jumps[:, 3:])
     floor = [fit.problem.scale, fit.problem.scale / LEVER]
-    far = (sizes / np.maximum(_MEDIAN * np.median(sizes, axis=0), floor)).max(axis=1)
+    far = (sizes / np.maximum(MEDIAN * np.median(sizes, axis=0), floor)).max(axis=1)
     result = []
     for index in np.unique(jumps[:, 0]).astype(int):
         of_log = jumps[:, 0] == index

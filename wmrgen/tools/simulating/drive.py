@@ -15,7 +15,7 @@ from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.tools.simulating.model import NAMES, SLIDING, Model, Reals, Twist, Values
 
 _PICO = 12  # digits of a time [s]: sums of steps of 10 ms stay round
-_FITS = 1e-9  # steps: rounding error of a number of steps
+ROUNDING = 1e-9  # relative, and of a number of steps: smaller differences are rounding errors
 MOST = 200_000  # steps of a drive: half an hour at 10 ms, and about 100 MB of results
 
 
@@ -56,7 +56,7 @@ def steps_of(seconds: float, step: float) -> int:
         raise UsageError(
             f"{seconds:g} s are more than {MOST} steps of {step:g} s. Write a shorter time, or a longer --step."
         )
-    return max(1, ceil(count - _FITS))  # a step that fits up to rounding is not cut
+    return max(1, ceil(count - ROUNDING))  # a step that fits up to rounding is not cut
 
 
 @dataclass(frozen=True, slots=True)

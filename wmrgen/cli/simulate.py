@@ -30,7 +30,6 @@ _SPEED = Port("speed", Role.COMMAND, "m/s")
 _RADIUS = Port("radius", Role.COMMAND, "m")
 _PATIENCE = 60.0  # s: a robot that has not reached its goal by then gives up
 _CRUISE = "0.5"  # m/s, as a user writes it: walking pace of an indoor robot
-_ROUNDING = 1e-9  # relative: a limit is exceeded by more than rounding error
 _MOST_STARTS = 64  # more paths are not visible in one picture
 _LARGEST = 16 << 20  # bytes of a CSV file: an hour at 50 Hz
 _POSE = ("x", "y", "theta")
@@ -353,6 +352,8 @@ def _remarks(drive: Drive, course: Course) -> list[str]:
 
 def _beyond(drive: Drive) -> list[str]:
     """Return the quantities that exceed limits of the robot file, each with its largest value and the limit."""
+    from wmrgen.analysis.mobility.basis import NEGLIGIBLE
+
     robot = drive.model.robot
     limits = {name: robot.limits.get(name) for name in ("vx", "vy", "omega")}
     for wheel in robot.wheels:
@@ -364,7 +365,7 @@ def _beyond(drive: Drive) -> list[str]:
             continue
         for value, end in ((drive.columns[name].min(), limit.low), (drive.columns[name].max(), limit.high)):
             excess = (float(value) - float(end)) * (1 if end is limit.high else -1)
-            if excess > _ROUNDING * max(1.0, abs(float(end))):
+            if excess > NEGLIGIBLE * max(1.0, abs(float(end))):
                 texts.append(f"{name} reaches {float(value):.3g}, limit {float(end):.3g}")
     return texts
 

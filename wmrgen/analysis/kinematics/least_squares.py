@@ -110,7 +110,7 @@ def _dot(a: Sequence[Poly], b: Sequence[Poly]) -> Poly:
     return Poly.sum(x * y for x, y in zip(a, b, strict=True))
 
 
-NEGLIGIBLE = 1e-12  # coefficients of residuals below this are rounding errors of exact zeros
+NEGLIGIBLE = 1e-12  # relative: smaller coefficients are rounding errors of exact zeros
 
 
 def norm(forms: Sequence[Poly], weight: Exact = ONE, weights: Sequence[Exact] | None = None) -> Expr:

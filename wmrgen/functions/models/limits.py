@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 import sympy
 
+from wmrgen.analysis.kinematics.least_squares import NEGLIGIBLE
 from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port
 from wmrgen.analysis.mobility.records import Mobility
 from wmrgen.functions.models.frame import Frame, frame, steering_direction, steering_rates
-from wmrgen.functions.models.polynomials import NEGLIGIBLE
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.system import Lag, System
 from wmrgen.geometry.constraints import driving_row, steer_gens, working_view

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import cos, lcm, pi, sin
 
+from wmrgen.analysis.kinematics.least_squares import NEGLIGIBLE
 from wmrgen.functions.system import Domain
 from wmrgen.geometry.exact.evaluate import fix
 from wmrgen.geometry.exact.number import ONE
 from wmrgen.geometry.exact.poly import Gen, Poly, Row, common_powers, derivative, each, triple
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.geometry.symbolic import Expr, expression
-
-NEGLIGIBLE = 1e-12  # relative: smaller coefficients are rounding errors
 
 
 def without_lengths(p: Poly) -> Poly:

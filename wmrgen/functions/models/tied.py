@@ -11,11 +11,12 @@ from collections.abc import Sequence
 import numpy as np
 import sympy
 
+from wmrgen.analysis.kinematics.least_squares import NEGLIGIBLE
 from wmrgen.analysis.mobility.admissible import along
 from wmrgen.analysis.mobility.analyse import towards
 from wmrgen.analysis.mobility.basis import led
 from wmrgen.analysis.mobility.ranks import numeric_rank
-from wmrgen.functions.models.polynomials import NEGLIGIBLE, zero_condition
+from wmrgen.functions.models.polynomials import zero_condition
 from wmrgen.functions.system import Domain
 from wmrgen.geometry.constraints import View
 from wmrgen.geometry.exact.poly import Row

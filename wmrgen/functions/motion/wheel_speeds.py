@@ -18,12 +18,12 @@ from collections.abc import Sequence
 import numpy as np
 import sympy
 
-from wmrgen.analysis.kinematics.least_squares import ratio_of
+from wmrgen.analysis.kinematics.least_squares import NEGLIGIBLE, ratio_of
 from wmrgen.analysis.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
 from wmrgen.analysis.mobility.basis import IDENTITY, primitive
 from wmrgen.analysis.mobility.ranks import generic, independent, nominal_at, numeric_rank, to_array, unit_rows
 from wmrgen.analysis.mobility.records import Mobility
-from wmrgen.functions.models.polynomials import NEGLIGIBLE, angles_in, without_rounding
+from wmrgen.functions.models.polynomials import angles_in, without_rounding
 from wmrgen.functions.registry import Reason, function, underivable
 from wmrgen.geometry.constraints import (
     View,

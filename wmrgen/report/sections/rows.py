@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from wmrgen.analysis.kinematics.least_squares import NEGLIGIBLE
 from wmrgen.analysis.mobility.ranks import generic, nominal_at
 from wmrgen.derivation.facade import Derivation
-from wmrgen.functions.models.polynomials import NEGLIGIBLE
 from wmrgen.geometry import notation
 from wmrgen.geometry.constraints import XI, ConstraintRow, along, rolling_direction, symbolic_view
 from wmrgen.geometry.exact.poly import Poly, Row, dot, each, has_angles

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import wmrgen
+from wmrgen.analysis.mobility.basis import NEGLIGIBLE
 from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import Mark, NotDerivableError, RobotFileError, UsageError
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
@@ -28,7 +29,6 @@ from wmrgen.report.figures.reach import largest_factor
 from wmrgen.robotfile.records import Num, ParameterSpec, Quantity, RobotSpec
 from wmrgen.robotfile.text import MAX_BYTES, bytes_of, suggestion
 
-SLIDES = 1e-9  # m/s: a unit twist with more slip is not admissible
 GRAVITY = Exact(Fraction("9.80665"))  # standard gravity [m/s^2]
 _FIRMWARE = ("inverse", "forward", "odometry")
 Reals = NDArray[np.float64]
@@ -162,7 +162,7 @@ def _fastest(derivation: Derivation) -> Facts:
     for k, name in enumerate(TWIST_NAMES):
         slip = derivation.evaluate("inverse", {name: ONE})["slip"]
         twist = (float(k == 0), float(k == 1), float(k == 2))
-        factor = largest_factor(derivation.driven.robot, twist) if abs(float(slip)) < SLIDES else 0.0
+        factor = largest_factor(derivation.driven.robot, twist) if abs(float(slip)) < NEGLIGIBLE else 0.0
         facts[f"{name}_max"] = factor if factor < inf else None
     return facts
 
@@ -208,7 +208,7 @@ def isotropy(h: Reals, length: float) -> float | None:
     singular = np.linalg.svd(h / np.array([1.0, 1.0, length]), compute_uv=False)
     smallest = float(singular[2]) if len(singular) == 3 else 0.0
     largest = float(singular[0])
-    return (smallest / largest if smallest > SLIDES * largest else 0.0) if largest else None
+    return (smallest / largest if smallest > NEGLIGIBLE * largest else 0.0) if largest else None
 
 
 def _deviations(derivation: Derivation) -> Facts:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 Joints = Mapping[str, float]  # spin [rad/s] and steer [rad], by name
 _SLOW = Exact(Fraction(1, 10))  # m/s and rad/s: slow enough for a first test
-_NEGLIGIBLE = 1e-9  # m/s and rad/s: rounding errors
+NEGLIGIBLE = 1e-9  # m/s and rad/s: rounding errors
 _SHARE = 0.2  # of the largest component of a motion: smaller components are hard to see and are not mentioned
 _WORDS = (("forward", "backward"), ("to the left", "to the right"), ("turns left", "turns right"))
 
@@ -62,10 +62,10 @@ def _motion(d: Derivation, title: str, **parts: Exact) -> Motion:
     if allowed["omega"] == twist["omega"] != ZERO:
         twist = allowed  # the robot turns about another point than P, so P has a sideways velocity
     joints = {name: float(value) for name, value in d.evaluate("inverse", twist).items()}
-    slides = joints.pop("slip") > _NEGLIGIBLE and not d.mobility.degenerate  # a degenerate robot skids
+    slides = joints.pop("slip") > NEGLIGIBLE and not d.mobility.degenerate  # a degenerate robot skids
     driven = {f"{w.name}.{joint}" for w in d.robot.wheels for joint in (*w.actuated, *_rate(w.actuated))}
     own = {name: value for name, value in joints.items() if name in driven}
-    moves = any(abs(value) > _NEGLIGIBLE for name, value in own.items() if not name.endswith(".steer"))
+    moves = any(abs(value) > NEGLIGIBLE for name, value in own.items() if not name.endswith(".steer"))
     return Motion(title, twist, own if moves and not slides else None)
 
 
@@ -129,7 +129,7 @@ def _seen(d: Derivation, joints: Joints, size: float) -> str:
     twist = d.without_gyro.evaluate("forward", exact)
     parts = [float(twist[name]) * scale for name, scale in zip(TWIST_NAMES, (1.0, 1.0, size), strict=True)]
     largest = max(map(abs, parts))
-    if largest < _NEGLIGIBLE:
+    if largest < NEGLIGIBLE:
         return "stands still"
     words = [pair[part < 0] for pair, part in zip(_WORDS, parts, strict=True) if abs(part) > _SHARE * largest]
     moves = [word for word in words if not word.startswith("turns")]

@@ -224,3 +224,18 @@ def test_a_robot_that_cannot_move_has_no_exercise() -> None:
     )
     with pytest.raises(UsageError):
         exercise(of_text(f"wmrgen: 1\nname: stuck\nwheels:\n{wheels}"), 0, False)
+
+
+def test_a_robot_that_skids_is_an_exercise_on_its_model() -> None:
+    wheels = "".join(
+        f"  - {{name: w{k}, type: fixed, x: {x}, y: {y}, heading: 0, r: 0.1}}\n"
+        for k, (x, y) in enumerate([(0.3, 0.25), (0.3, -0.25), (-0.1, 0.25), (-0.1, -0.25)])
+    )
+    d = of_text(f"wmrgen: 1\nname: skids\neffective_track: 0.8\nwheels:\n{wheels}")
+    statement, solution = (page(exercise(d, 1, solved)) for solved in (False, True))
+    places = re.findall(rf"(?m)^\| `w\d` \| {NUMBER} \| {NUMBER} \|$", section(statement, 1))
+    assert [(number(x), number(y)) for x, y in places] == [(0.1, 0.4), (0.1, -0.4)] * 2
+    vx, vy, omega = twist_in(statement)
+    assert omega and vy == pytest.approx(-0.1 * omega), "the axle does not slide"
+    rates = [number(n) for n in re.findall(rf"φ̇ = {NUMBER} rad/s", solution)]
+    assert rates == pytest.approx([(vx + side * 0.4 * omega) / 0.1 for side in (-1, 1, -1, 1)], rel=5e-5)

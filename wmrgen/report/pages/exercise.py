@@ -30,8 +30,7 @@ def document(d: Derivation, seed: int, solved: bool, form: Format) -> tuple[str,
         UsageError: if the robot cannot move without slip.
     """
     text = markdown.page(exercise(d, seed, solved))
-    drawn = d.driven.figures
-    figures = {name: drawn[name][1].encode() for name in FIGURES if name in drawn}
+    figures = {name: d.figures[name][1].encode() for name in FIGURES if name in d.figures}
     if form == "html":
         return page([Report(d.robot.name, {REPORT: text.encode(), **figures})]), {}
     # Exercises on several robots may be in one folder.

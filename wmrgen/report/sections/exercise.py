@@ -27,6 +27,7 @@ from wmrgen.report.sections.markdown import (
     matrix,
     minus,
     pictures,
+    plain,
     rounded,
     sentence,
     table,
@@ -116,35 +117,36 @@ def exercise(d: Derivation, seed: int, solved: bool) -> list[str]:
     motion = pool[seed % len(pool)]
     sheet = _Sheet(own, constrain(own.robot, nominal_view), motion, seed, solved)
     title = f"# Exercise {seed} on {code(d.robot.name)}" + (": solution" if solved else "")
-    blocks = [title, *(_model_of_skidding(d) if own is not d else [])]
-    blocks += [*pictures(own.figures, "layout.svg"), *layout(own)]
+    blocks = [title, *pictures(d.figures, "layout.svg"), *layout(d)]
+    blocks += _model_of_skidding(d) if own is not d else []
     for question in (_given, _equations, _matrices, _degrees, _rates, _residual, _pose):
         blocks += question(sheet)
     return blocks
 
 
 def _model_of_skidding(d: Derivation) -> list[str]:
-    return [
-        keyed(
-            "exercise.skids",
-            f"In a curve, the wheels of {code(d.robot.name)} skid. The exercise is about a model that does not: its "
-            "wheels are on a single axle, the effective track apart.",
-        )
-    ]
+    """Return the places of the wheels in the model of a robot that skids. Their headings and radii do not change."""
+    rows = [[code(w.name), plain(w.nominal.x), plain(w.nominal.y)] for w in d.driven.robot.wheels]
+    words = keyed(
+        "exercise.skids",
+        f"In a curve, the wheels of {code(d.robot.name)} skid. The exercise is about a model that does not: its fixed "
+        "wheels are on a single axle, the effective track apart. Use these places in place of those above:",
+    )
+    return [words, *table(["wheel", "x", "y"], rows, "lr")]
 
 
 # ---- The motion.
 
 
 def _pool(d: Derivation) -> list[_Motion]:
-    """Return motions without slip within the limits, those with the shortest numbers first."""
+    """Return motions without slip within the limits: those in most directions first, and with the shortest numbers."""
     found: dict[tuple[str, ...], _Motion] = {}
     for scale in _SCALES:
         for motion in _motions(d, scale):
             found.setdefault(tuple(six_decimals(v) for v in motion.twist.values()), motion)
         if len(found) >= _POOL:
             break
-    return sorted(found.values(), key=lambda m: (not _drives_a_curve(m), _length(m)))[:_POOL]
+    return sorted(found.values(), key=lambda m: (_zeros(m), _length(m)))[:_POOL]
 
 
 def _motions(d: Derivation, scale: Exact) -> Iterator[_Motion]:
@@ -165,20 +167,21 @@ def _motions(d: Derivation, scale: Exact) -> Iterator[_Motion]:
 
 
 def _wanted(d: Derivation) -> Iterator[tuple[Exact, ...]]:
-    """Yield the twists that are tried: of short components, and those that give steered wheels a short sine and cosine.
+    """Yield twists with short components, and twists that give a steered wheel a short sine and cosine.
 
-    Without sideways velocity of P, the pivot (x, y) of a wheel moves at (vx − y ω, x ω).
+    The pivot (x, y) of a wheel moves at (vx - y omega, vy + x omega).
     """
     for parts in product(*_TENTHS):
         yield tuple(Exact(Fraction(k, 10)) for k in parts)
     steered = [w.nominal for w in d.robot.wheels if w.kind.steers]
-    for g, k, cotangent in product(steered, _TENTHS[2], _COTANGENTS):
-        omega = Exact(Fraction(k, 10))
-        yield g.x * omega * Exact(cotangent) + g.y * omega, ZERO, omega
+    for g, aside, turn, cotangent in product(steered[:1], *_TENTHS[1:], _COTANGENTS):
+        vy, omega = Exact(Fraction(aside, 10)), Exact(Fraction(turn, 10))
+        yield (vy + g.x * omega) * Exact(cotangent) + g.y * omega, vy, omega
 
 
-def _drives_a_curve(motion: _Motion) -> bool:
-    return bool(motion.twist["omega"]) and any(motion.twist[n] for n in ("vx", "vy"))
+def _zeros(motion: _Motion) -> int:
+    """Return how many components of the twist are 0."""
+    return sum(not v for v in motion.twist.values())
 
 
 def _length(motion: _Motion) -> tuple[int, int, int]:

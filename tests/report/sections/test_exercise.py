@@ -62,6 +62,8 @@ def wheels_in(statement: str) -> list[Wheel]:
     wheels = []
     for row in rows:
         cells = dict(zip(head, row, strict=True))
+        if cells["heading"] == "—":
+            continue  # a ball that is not driven has no rows
         name = cells["wheel"].strip("`")
         x, y, r, d = (0.0 if cells.get(k, "—") == "—" else number(cells[k]) for k in ("x", "y", "r", "d"))
         heading, gamma = (radians(number(cells.get(k, "0°").rstrip("°"))) for k in ("heading", "γ"))
@@ -114,7 +116,7 @@ def test_rates(name: str, seed: int) -> None:
     rows = re.findall(r"(?m)^\| `(\w+)` \| (rolling|sliding) \| (.*?) \| (.*?) \|$", section(solution, 6))
     kinds = {w: [kind for own, kind, *_ in rows if own == w] for w in wheels}
     assert all(
-        k == (["rolling"] if wheels[w].kind == "swedish" else ["rolling", "sliding"])
+        k == (["rolling"] if wheels[w].kind in ("Swedish", "spherical") else ["rolling", "sliding"])
         for w, k in kinds.items()
     )
     for wheel, kind, shown, rate in rows:

@@ -116,7 +116,7 @@ def test_rates(name: str, seed: int) -> None:
     rows = re.findall(r"(?m)^\| `(\w+)` \| (rolling|sliding) \| (.*?) \| (.*?) \|$", section(solution, 6))
     kinds = {w: [kind for own, kind, *_ in rows if own == w] for w in wheels}
     assert all(
-        k == (["rolling"] if wheels[w].kind in ("Swedish", "spherical") else ["rolling", "sliding"])
+        k == (["rolling"] if wheels[w].kind in ("Swedish", "driven ball") else ["rolling", "sliding"])
         for w, k in kinds.items()
     )
     for wheel, kind, shown, rate in rows:

@@ -37,6 +37,7 @@ GROUPS: dict[str, tuple[Verb, ...]] = {
     "Generate": (
         Verb("derive", "generate", "Derive robots and write their model, report and code."),
         Verb("view", "view", "Show robots in the browser and follow changes of their files."),
+        Verb("exercise", "exercise", "Write a robot as an exercise for students, with or without its solution."),
         Verb("check", "generate", "List generated files that are out of date."),
         Verb("gallery", "gallery", "Write overview pages of all derived robots, with top views."),
         Verb("export", "export", "Describe a robot for another tool: URDF, SDF, ros2_control, WPILib."),

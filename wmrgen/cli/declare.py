@@ -112,9 +112,18 @@ def robot_files(incomplete: str) -> list[str]:
     return [text for text in offered if text.startswith(incomplete)]
 
 
-def count_option(name: str, text: str) -> Any:
-    """Return an option with a whole number of at least 1."""
-    return typer.Option(name, metavar="N", min=1, help=text, show_default=False)
+def count_option(name: str, text: str, least: int = 1) -> Any:
+    """Return an option with a whole number.
+
+    Args:
+        name: the option, such as ``--jobs``.
+        text: the help.
+        least: the smallest number.
+
+    Returns:
+        The option, for ``Annotated``.
+    """
+    return typer.Option(name, metavar="N", min=least, help=text, show_default=False)
 
 
 # ---- arguments and options of several verbs

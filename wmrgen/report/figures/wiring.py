@@ -8,11 +8,10 @@ from wmrgen.report.figures.example import largest_radius
 from wmrgen.report.figures.figure import WIDTH, Figure, Group, figure, fitted, panel
 from wmrgen.report.figures.marks import body, chassis, extremes, frame, placed
 from wmrgen.report.figures.paper import Box, Paper, along, arrow
-from wmrgen.report.wiring import Joints, motions
+from wmrgen.report.wiring import NEGLIGIBLE, Joints, motions
 
 FILE = "wiring.svg"
 _HEIGHT = 190.0  # px
-_SLOWEST = 1e-9  # rad/s: rounding errors of a joint at rest
 _ARROW, _BEYOND = 26.0, 14.0  # px: least length of an arrow, and least part beyond a large wheel
 
 
@@ -44,7 +43,7 @@ def _panel(robot: Robot, joints: Joints, area: Box, title: str) -> list[Group]:
     arrows: list[str] = []
     for p in wheels:
         spin = joints.get(f"{p.wheel.name}.spin", 0.0)
-        if abs(spin) > _SLOWEST:
+        if abs(spin) > NEGLIGIBLE:
             reach = max(_ARROW, p.half[0] + _BEYOND)
             tip = along(p.centre, p.ahead, reach if spin > 0 else -reach)
             arrows += arrow(p.centre, tip, "velocity", 4.0)

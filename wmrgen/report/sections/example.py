@@ -86,7 +86,7 @@ def _pair(*values: float) -> str:
     return f"({', '.join(map(_shown, values))})"
 
 
-def _at(p: Poly, values: Numbers) -> float:
+def value_at(p: Poly, values: Numbers) -> float:
     """Return the value of a polynomial in parameters, joints and inputs. KeyError if it has other generators."""
     total = 0.0
     for monomial, number in p.terms.items():
@@ -101,17 +101,19 @@ def _generator(kind: str, name: str, values: Numbers) -> float:
     return values[f"param {name}"] if kind == "param" else values[name]
 
 
-def _product(row: Row, values: Numbers) -> tuple[str, float]:
+def product_of(row: Row, values: Numbers) -> tuple[str, float]:
     """Return the product of a row and the twist, summand by summand, and its value."""
     text, total = "", 0.0
     for p, name in zip(row, TWIST_NAMES, strict=True):
-        factor, speed = _at(p, values), values[name]
+        factor, speed = value_at(p, values), values[name]
         if abs(factor * speed) < _ZERO:
             continue
         total += factor * speed
-        times = f"{_shown(abs(factor))} · " if abs(abs(factor) - 1) > _ZERO else ""
+        if abs(abs(factor) - 1) < _ZERO:
+            text += f" {'-' if factor * speed < 0 else '+'} {_shown(abs(speed))}"
+            continue
         number = _shown(speed) if speed > 0 else f"({_shown(speed)})"
-        text += f" {'-' if factor < 0 else '+'} {times}{number}"
+        text += f" {'-' if factor < 0 else '+'} {_shown(abs(factor))} · {number}"
     text = (
         text.removeprefix(" + ").replace(" - ", "-", 1)
         if text.startswith(" - ")
@@ -142,7 +144,7 @@ def _rows(d: Derivation, steps: Steps) -> list[str]:
 def _rows_of(c: Constraints, w: Wheel, values: Numbers) -> list[str]:
     """Return the rolling and the sliding row of a wheel times the twist, in words."""
     own = [row for row in (*c.rolling, *c.sliding) if row.wheel.index == w.index]
-    return [f"{row.kind} {_equal(*_product(row.row, values))}" for row in own]
+    return [f"{row.kind} {_equal(*product_of(row.row, values))}" for row in own]
 
 
 def _rates(d: Derivation, steps: Steps) -> list[str]:
@@ -151,11 +153,11 @@ def _rates(d: Derivation, steps: Steps) -> list[str]:
     lines = []
     for row in [row for row in c.rolling if f"{row.wheel.name}.spin" in values][:_MANY]:
         w = row.wheel
-        spin, radius = values[f"{w.name}.spin"], -_at(dict(row.rates)[w.index, "spin"], values)
+        spin, radius = values[f"{w.name}.spin"], -value_at(dict(row.rates)[w.index, "spin"], values)
         if w.kind.swivels:
             lines.append(f"{code(w.name)}, at ψ = 0: φ̇ = {_shown(spin)} rad/s")
             continue
-        rim = _product(row.row, values)[1]
+        rim = product_of(row.row, values)[1]
         quotient = f"{_shown(rim)} / {_shown(radius)}"
         rate = f"φ̇ = {_equal(quotient, spin)} rad/s"
         if abs(rim / radius - spin) > _SAME * max(abs(spin), 1.0):  # a coupling or a limit changes it
@@ -177,7 +179,7 @@ def _angle(w: Wheel, values: Numbers) -> str:
 
 def _twist_along(row: Row, steps: Steps) -> float:
     """Return a row times the twist that `forward` returns."""
-    return sum(_at(p, steps.values) * steps.measured[n] for p, n in zip(row, TWIST_NAMES, strict=True))
+    return sum(value_at(p, steps.values) * steps.measured[n] for p, n in zip(row, TWIST_NAMES, strict=True))
 
 
 def _measured(d: Derivation, steps: Steps) -> list[str]:
@@ -186,7 +188,7 @@ def _measured(d: Derivation, steps: Steps) -> list[str]:
         return []
     rows = rows_as_printed(d)
     try:
-        z = [_at(value, steps.values) for _, value, _ in rows]
+        z = [value_at(value, steps.values) for _, value, _ in rows]
         gaps = [z_k - _twist_along(row, steps) for (row, _, _), z_k in zip(rows, z, strict=True)]
     except KeyError:
         return []

@@ -66,7 +66,7 @@ def analysis(d: Derivation) -> list[str]:
         "## 5 Mobility",
         *items(map(sentence, m.argument), lambda k: f"{k}."),
         "So the degrees of mobility, steerability and maneuverability are" + at * (steered and several),
-        *_degrees(m),
+        *degrees(m),
         *(_remark(m) if steered else []),
         *_verdicts(d),
         *integrability(d),
@@ -74,7 +74,7 @@ def analysis(d: Derivation) -> list[str]:
     ]
 
 
-def _degrees(m: Mobility) -> list[str]:
+def degrees(m: Mobility) -> list[str]:
     rank, total = 3 - m.degree_of_mobility, m.degree_of_maneuverability
     steering = rf"\dim\{{\xi\ \mathrm{{admissible}}\}} - \delta_m = {m.admissible.dimension} - {m.degree_of_mobility}"
     if not _couplings_cut(m) and m.degree_of_mobility:

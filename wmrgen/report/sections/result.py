@@ -19,7 +19,7 @@ from wmrgen.report.wiring import admissible
 
 Values = Mapping[str, Exact]
 Texts = Mapping[str, str]
-_NO_SLIP = 1e-5  # m/s: rounding of a twist with six digits causes less than this
+NO_SLIP = 1e-5  # m/s: rounding of a twist with six digits causes less than this
 _TRIED = 8  # number of twists that are tried: the one with the shortest joints is shown; more take too long
 _FEW, _EVERY = 6, 12  # significant digits of printed joints: as few as recover the twist
 _DIGITS = 5  # characters of a round number, with its decimal point
@@ -75,16 +75,16 @@ def example(d: Derivation) -> list[tuple[str, Texts, Texts]]:
     tried = [(twist, joints, _again(d, twist, joints)) for twist, joints in islice(_driven(d), _TRIED)]
     if not tried:
         return []
-    repeated = [t for t in tried if not t[2] or t[2] == _each(_six, t[0])] or tried[:1]
+    repeated = [t for t in tried if not t[2] or t[2] == _each(six_decimals, t[0])] or tried[:1]
     alike = [t for t in repeated if _parts(t[0]) == _parts(repeated[0][0])]
     twist, joints, again = min(alike, key=lambda t: _digits(t[1]))
     digits = next((k for k in range(_FEW, _EVERY) if _again(d, twist, joints, k) == again), _EVERY)
     own = {n: v for n, v in joints.items() if d.robot.wheel(n.rpartition(".")[0]).actuated}
-    steps = [("inverse", _each(_six, twist), _each(_short, own, digits))]
+    steps = [("inverse", _each(six_decimals, twist), _each(_short, own, digits))]
     if again:
         steps.append(("forward", _each(_short, _measured(d, twist, joints), digits), again))
     pose = d.evaluate("odometry", {**twist, "dt": ONE})
-    return [*steps, ("odometry", {**_each(_six, twist), "dt": "1"}, _each(_short, pose))]
+    return [*steps, ("odometry", {**_each(six_decimals, twist), "dt": "1"}, _each(_short, pose))]
 
 
 def _measured(d: Derivation, twist: Values, joints: Values) -> Values:
@@ -97,8 +97,10 @@ def _measured(d: Derivation, twist: Values, joints: Values) -> Values:
 def _again(d: Derivation, driven: Values, joints: Values, digits: int = _EVERY) -> Texts:
     """Return the twist that `forward` gives for joints printed with ``digits`` digits."""
     measured = _measured(d, driven, joints)
-    twist = measured and d.evaluate("forward", {n: _read(_short(v, digits)) for n, v in measured.items()})
-    return {n: _six(twist[n]) for n in TWIST_NAMES if twist}
+    twist = measured and d.evaluate(
+        "forward", {n: read_number(_short(v, digits)) for n, v in measured.items()}
+    )
+    return {n: six_decimals(twist[n]) for n in TWIST_NAMES if twist}
 
 
 def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:
@@ -110,15 +112,17 @@ def _driven(d: Derivation) -> Iterator[tuple[Values, Values]]:
         asked = (
             {n: Exact(k * scale) for n, k in zip(TWIST_NAMES, s, strict=True)} for s in (*_SPEEDS, *rounded)
         )
-        allowed = [{n: _read(_six(v)) for n, v in admissible(d, twist).items()} for twist in asked]
+        allowed = [
+            {n: read_number(six_decimals(v)) for n, v in admissible(d, twist).items()} for twist in asked
+        ]
         for twist in sorted(allowed, key=_plain):
             if _goes(twist) != goes or not any(twist.values()):
                 continue
-            if not all(_inside(d, n, v) for n, v in twist.items()):
+            if not all(within_limits(d, n, v) for n, v in twist.items()):
                 continue
             joints = d.evaluate("inverse", twist)
             slip = joints.pop("slip")
-            if abs(float(slip)) < _NO_SLIP and all(_inside(d, n, v) for n, v in joints.items()):
+            if abs(float(slip)) < NO_SLIP and all(within_limits(d, n, v) for n, v in joints.items()):
                 yield twist, joints
 
 
@@ -140,19 +144,29 @@ def _goes(twist: Values) -> bool:
 
 def _plain(twist: Values) -> tuple[bool, bool]:
     """Return the sort key of a twist: twists that turn first, then twists of few digits."""
-    return not twist["omega"], any(len(_six(v)) > _DIGITS for v in twist.values())
+    return not twist["omega"], any(len(six_decimals(v)) > _DIGITS for v in twist.values())
 
 
 def _each(shown: Callable[..., str], values: Values, *digits: int) -> Texts:
     return {n: shown(v, *digits) for n, v in values.items()}
 
 
-def _six(value: Exact) -> str:
+def six_decimals(value: Exact) -> str:
     """Return a component of the twist with six decimals."""
     return f"{round(float(value), 6) + 0.0:.{_EVERY}g}"
 
 
-def _inside(d: Derivation, name: str, value: Exact) -> bool:
+def within_limits(d: Derivation, name: str, value: Exact) -> bool:
+    """Return whether the robot allows a value.
+
+    Args:
+        d: the derivation.
+        name: a component of the twist, or a joint such as ``left.spin``.
+        value: its value, in SI units.
+
+    Returns:
+        Whether it is within the limits; True if there are none.
+    """
     limit = d.robot.limit_of(name)
     return limit is None or float(limit.low) <= float(value) <= float(limit.high)
 
@@ -162,7 +176,8 @@ def _short(value: Exact, digits: int = _FEW) -> str:
     return f"{round(float(value), 12) + 0.0:.{digits}g}"
 
 
-def _read(text: str) -> Exact:
+def read_number(text: str) -> Exact:
+    """Return a printed number."""
     return Exact(Fraction(text))
 
 

@@ -8,10 +8,9 @@ from wmrgen.codegen.registry import Facts
 from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.report.sections.markdown import code, foot, items, keyed, listed, pictures, some, table
-from wmrgen.report.wiring import Motion, faults, motions
+from wmrgen.report.wiring import NEGLIGIBLE, Motion, faults, motions
 
 FILE = "wiring.md"
-_STILL = 1e-9  # rad/s: rounding errors of a joint at rest
 
 
 def wiring(d: Derivation, facts: Facts) -> list[str]:
@@ -117,7 +116,7 @@ def _cell(name: str, value: float) -> str:
     """Return the sign of a rate, or a steering angle in degrees."""
     if name.endswith(".steer"):
         return f"{round(degrees(value), 1) + 0.0:g}°".replace("-", "−")
-    return "0" if abs(value) < _STILL else "+" if value > 0 else "−"
+    return "0" if abs(value) < NEGLIGIBLE else "+" if value > 0 else "−"
 
 
 def _faults(d: Derivation, possible: list[Motion]) -> list[str]:

@@ -19,10 +19,6 @@ if TYPE_CHECKING:
 
 Joints = Mapping[str, float]  # spin [rad/s] and steer [rad], by name
 _SLOW = Exact(Fraction(1, 10))  # m/s and rad/s: slow enough for a first test
-<<<<<<< HEAD
-=======
-NEGLIGIBLE = 1e-9  # m/s and rad/s: rounding errors
->>>>>>> wt-exercise
 _SHARE = 0.2  # of the largest component of a motion: smaller components are hard to see and are not mentioned
 _WORDS = (("forward", "backward"), ("to the left", "to the right"), ("turns left", "turns right"))
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from wmrgen.analysis.mobility.basis import NEGLIGIBLE
 from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.report.figures.example import largest_radius
 from wmrgen.report.figures.figure import WIDTH, Figure, Group, figure, fitted, panel
 from wmrgen.report.figures.marks import body, chassis, extremes, frame, placed
 from wmrgen.report.figures.paper import Box, Paper, along, arrow
-from wmrgen.report.wiring import NEGLIGIBLE, Joints, motions
+from wmrgen.report.wiring import Joints, motions
 
 FILE = "wiring.svg"
 _HEIGHT = 190.0  # px

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from math import degrees
 
+from wmrgen.analysis.mobility.basis import NEGLIGIBLE
 from wmrgen.codegen.registry import Facts
 from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry.layout.records import Robot
 from wmrgen.report.sections.markdown import code, foot, items, keyed, listed, pictures, some, table
-from wmrgen.report.wiring import NEGLIGIBLE, Motion, faults, motions
+from wmrgen.report.wiring import Motion, faults, motions
 
 FILE = "wiring.md"
 

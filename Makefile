@@ -60,6 +60,7 @@ generate: setup
 	$(BIN)/python -m tests.packaging.feature_page
 	$(BIN)/python -m tests.packaging.textbook_page
 	$(BIN)/python -m tests.packaging.textbook_robots
+	$(BIN)/python -m tests.packaging.moving_picture
 
 # Build docs/, README and the reports as a site: build/docs/docs/index.html. Its first page links to robots to drive.
 LIVE := pioneer3dx kuka_youbot ackermann_car wpilib_swervebot lekiwi car_with_trailers

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from wmrgen.geometry.constraints import XI, symbolic_view
 from wmrgen.geometry.exact.evaluate import fix
 from wmrgen.geometry.exact.poly import Poly, Row, dot, has_angles
 from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.printing import Reader
 from wmrgen.report.sections.inverse import driven_twist, moves_as_partners
 from wmrgen.report.sections.latex import (
     WIDE,
@@ -44,6 +45,9 @@ from wmrgen.report.sections.markdown import (
     some,
 )
 from wmrgen.report.sections.motion import jackknives
+
+if TYPE_CHECKING:
+    from wmrgen.functions.models.exceptional import Exceptional
 
 _RELATIONS = 5  # printed compatibility conditions; conditions of more wheels say nothing new
 _PRODUCTS = 10_000  # products of terms in the Lie brackets of trailers: half a second
@@ -121,7 +125,7 @@ def _growth(d: Derivation) -> _Counted:
     steered = keyed("growth.steering", "steering angles") if d.mobility.degree_of_steerability else ""
     generic = has_angles(p for column in d.mobility.null_space for p in column)
     where = " at generic configurations" if generic else ""
-    if not d.robot.trailers:
+    if not d.robot.trailers and not generic:
         return _Counted(own, steered, where)
     from wmrgen.functions.models.exceptional import exceptional
     from wmrgen.functions.models.growth import growing, growth
@@ -130,11 +134,31 @@ def _growth(d: Derivation) -> _Counted:
         system = growing(d.robot, d.mobility)
         found = growth(system, most=_PRODUCTS)
     except NotDerivableError:
-        return _Counted(own, steered, f" without its trailers{where}")
-    states = " and ".join(filter(None, (steered, keyed("growth.trailers", "trailers"))))
-    return _Counted(
-        found.vector, states, "" if exceptional(system, found) == () else " at generic configurations"
-    )
+        return _Counted(own, steered, f" without its trailers{where}" if d.robot.trailers else where)
+    towed = keyed("growth.trailers", "trailers") if d.robot.trailers else ""
+    states = " and ".join(filter(None, (steered, towed)))
+    return _Counted(found.vector, states, _where(exceptional(system, found)))
+
+
+def _where(sets: Sequence[Exceptional] | None) -> str:
+    """Say where a growth vector is valid.
+
+    Args:
+        sets: Where it is different; None if only generic configurations are known.
+    """
+    if sets is None:
+        return " at generic configurations"
+    if not sets:
+        return " wherever the model holds"
+    reader = Reader()
+    known = [f"({', '.join(map(str, s.vector))}) where `{reader(s.condition)} = 0`" for s in sets if s.vector]
+    other = [f"`{reader(s.condition)} = 0`" for s in sets if not s.vector]
+    said = " at generic configurations"
+    if known:
+        said += f", and {' and '.join(known)}"
+    if other:
+        said += f"; where {' or '.join(other)} it may be different"
+    return said
 
 
 def _verdicts(d: Derivation) -> list[str]:

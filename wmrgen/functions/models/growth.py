@@ -108,7 +108,13 @@ def growth(system: System, seed: int = 0, most: int = MOST_PRODUCTS) -> Growth:
         rows.append(row)
         return True
 
-    inputs = [Bracket(f"g{k + 1}", 1, tuple(map(to_poly, field))) for k, field in enumerate(system.fields)]
+    try:
+        fields = [tuple(map(to_poly, field)) for field in system.fields]
+    except ValueError as error:  # such as |b|, or a fourth root
+        raise UnderivableError(
+            f"{system.name} has formulas that are no polynomials in cosines and sines: {error}", Reason.OTHER
+        ) from None
+    inputs = [Bracket(f"g{k + 1}", 1, field) for k, field in enumerate(fields)]
     newest = [b for b in inputs if adds_a_dimension(b)]
     vector, work, slopes = [len(reached)], 0, Slopes(state)
     rates: dict[str, tuple[Field, ...]] = {}

@@ -154,6 +154,8 @@ def _on_circle(angle: Poly, point: Mapping[str, Exact]) -> CosSin | None:
     """Return (cos, sin) of a whole-numbered sum of states; None for an angle of parameters."""
     total: CosSin = Poly.of(1), Poly({})
     for monomial, count in angle.terms.items():
+        if len(monomial) != 1:
+            return None
         ((g, e),) = monomial
         if g.kind != "input" or e != 1 or count.den != 1 or not count.is_rational:
             return None

@@ -18,6 +18,8 @@ from wmrgen.errors import UsageError
 from wmrgen.report.sections.exercise import BLANK, exercise
 from wmrgen.report.sections.markdown import page
 
+pytestmark = pytest.mark.slow
+
 CHECKED = (
     "textbook_differential", "pioneer3dx", "unicycle", "textbook_omnidirectional", "textbook_tribolo", "lekiwi",
     "bicycle", "textbook_two_steer", "ackermann_car", "wpilib_swervebot", "kuka_youbot", "nexus_4wd",

@@ -12,6 +12,8 @@ import pytest
 from tests.conftest import ROOT, command_line
 from tests.report.pages.chromium import seen
 
+pytestmark = pytest.mark.slow
+
 SVG = "{http://www.w3.org/2000/svg}"
 PIONEER = ROOT / "robots" / "pioneer3dx.yaml"
 

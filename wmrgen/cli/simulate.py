@@ -352,7 +352,7 @@ def _remarks(drive: Drive, course: Course) -> list[str]:
 
 def _beyond(drive: Drive) -> list[str]:
     """Return the quantities that exceed limits of the robot file, each with its largest value and the limit."""
-    from wmrgen.tools.simulating.drive import ROUNDING
+    from wmrgen.analysis.mobility.basis import NEGLIGIBLE
 
     robot = drive.model.robot
     limits = {name: robot.limits.get(name) for name in ("vx", "vy", "omega")}
@@ -365,7 +365,7 @@ def _beyond(drive: Drive) -> list[str]:
             continue
         for value, end in ((drive.columns[name].min(), limit.low), (drive.columns[name].max(), limit.high)):
             excess = (float(value) - float(end)) * (1 if end is limit.high else -1)
-            if excess > ROUNDING * max(1.0, abs(float(end))):
+            if excess > NEGLIGIBLE * max(1.0, abs(float(end))):
                 texts.append(f"{name} reaches {float(value):.3g}, limit {float(end):.3g}")
     return texts
 

@@ -71,9 +71,11 @@ def test_a_gyro_without_noise_is_exact(tmp_path: Path) -> None:
     assert found.bias.value == pytest.approx(BIAS, abs=2e-4)
 
 
-def test_straight_drives_show_the_bias_alone(tmp_path: Path) -> None:
+@pytest.mark.parametrize("walk", [0.0, 0.01])
+def test_straight_drives_show_the_bias_alone(tmp_path: Path, walk: float) -> None:
+    """Without noise the readings are constant, so that scale and bias are the same to them."""
     layout = replace(LAYOUTS["differential"], drives=(straight, straight))
-    found = calibrated_with_gyro(tmp_path, layout, walk=0.01).gyro
+    found = calibrated_with_gyro(tmp_path, layout, walk=walk).gyro
     assert found is not None and found.bias.sigma is not None
     assert found.scale.value == 1 and found.scale.sigma is None
     assert abs(found.bias.value - BIAS) < 3 * found.bias.sigma < 0.003

@@ -18,8 +18,8 @@ from tests.seeds import layouts
 from wmrgen import derive, load
 from wmrgen.functions.motion.segments import Phase, Segment, plan
 from wmrgen.geometry.exact.number import ZERO, Exact
-from wmrgen.tools.simulating.drive import Drive, Order, simulate
-from wmrgen.tools.simulating.model import Model, Reals, Values
+from wmrgen.tools.simulating.drive import Drive, Moment, Order, simulate
+from wmrgen.tools.simulating.model import Model, Reals
 from wmrgen.tools.simulating.sources import GoToPose, Pursue, Recorded, Segments
 from wmrgen.tools.simulating.table import read_table
 
@@ -66,7 +66,7 @@ class Twists:
             count = math.ceil(seconds / 0.01 - 1e-9)
             self.steps += [(seconds / count, twist)] * count
 
-    def order(self, model: Model, t: Reals, state: Values) -> Order | None:
+    def order(self, now: Moment) -> Order | None:
         if not self.steps:
             return None
         dt, (vx, vy, omega) = self.steps.pop(0)

@@ -15,6 +15,8 @@ Segment = tuple[Point, Point]
 Box = tuple[float, float, float, float]  # left, top, right, bottom
 
 FIRM = "\u00a0"
+# Of curves, told apart by colour-blind readers too (Okabe, Ito).
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#767676")
 SIZE, LETTER = 12.0, 14.0  # px: font size of words, and of letters in formulas
 HEIGHT = 14.0  # px: height of a line of words
 _NARROW, _WIDE = frozenset(" iljft.,:;'|!()[]°/\""), frozenset("mwMW@%=+<>±×→ω−—")

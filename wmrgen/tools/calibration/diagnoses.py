@@ -19,7 +19,7 @@ from wmrgen.tools.calibration.estimator import Fit
 from wmrgen.tools.calibration.logs import Log, Poses
 from wmrgen.tools.calibration.model import LEVER
 
-_FAR = 0.08  # of the extent of a drive: the worst of 77 OptiOdom sets comes to 0.036, without one of its drives 0.047
+_FAR = 0.05  # of the extent of a drive: the worst of 77 OptiOdom sets comes to 0.036, without one of its drives 0.047
 _TURNED = (
     0.25  # [rad] of headings: the worst of 77 OptiOdom sets comes to 0.13, without one of its drives 0.15
 )

@@ -83,19 +83,18 @@ def _stretches(log: Log, clock: float) -> list[Reals]:
 def _solved(stretches: list[tuple[Reals, Reals]]) -> tuple[Reals, Reals]:
     """Return the least squares solution, and its covariance if errors of different stretches are independent.
 
+    The covariance is infinite if the solution is not unique.
+
     Args:
         stretches: Matrix (n, k) and right side (n,) of each.
     """
     count = stretches[0][0].shape[1]
-    matrix = sum((a.T @ a for a, _ in stretches), np.zeros((count, count)))
-    inverse = np.linalg.pinv(matrix, hermitian=True)
-    values = inverse @ sum((a.T @ b for a, b in stretches), np.zeros(count))
-    meat = np.zeros((count, count))
+    matrix, right = np.vstack([a for a, _ in stretches]), np.concatenate([b for _, b in stretches])
+    values = np.linalg.lstsq(matrix, right, rcond=None)[0]
+    if np.linalg.matrix_rank(matrix) < count:  # readings of a robot that does not turn at all
+        return values, np.full((count, count), np.inf)
+    inverse, meat = np.linalg.inv(matrix.T @ matrix), np.zeros((count, count))
     for a, b in stretches:
         slope = a.T @ (b - a @ values)
         meat += np.outer(slope, slope)
-    covariance = inverse @ meat @ inverse * len(stretches) / (len(stretches) - count)
-    # What no stretch says anything about is not certain.
-    unknown = np.diag(matrix) <= np.finfo(float).eps * np.trace(matrix)
-    covariance[unknown, unknown] = np.inf
-    return values, covariance
+    return values, inverse @ meat @ inverse * len(stretches) / (len(stretches) - count)

@@ -4,26 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from wmrgen.analysis.mobility.basis import NEGLIGIBLE
 from wmrgen.report.figures.figure import WIDTH, Figure, Group, figure
-from wmrgen.report.figures.paper import Paper, Point, circle, line, lines, text
+from wmrgen.report.figures.paper import COLOURS, Paper, Point, circle, line, lines, text
 from wmrgen.tools.designs.figures import QUALITIES, Facts, Quality
-from wmrgen.tools.simulating.drive import ROUNDING
 
 FILE = "designs.svg"
 _COLUMNS, _PANEL, _GAP = 2, 76.0, 44.0  # panels in a row; px: height of a panel, and space above it
 _SIDE, _NUMBERS = 12.0, 52.0  # px: margin, and room for the numbers at the left of a panel
 _ROW = 16.0  # px: height of a line of words
 _MANY = 40  # designs: more dots touch each other, and are drawn as a line only
-_COLOURS = (
-    "#0072b2",
-    "#d55e00",
-    "#009e73",
-    "#cc79a7",
-    "#56b4e9",
-    "#e69f00",
-    "#000000",
-    "#767676",
-)  # Okabe, Ito
 _STYLE = (
     "<style>.wmrgen .trace { fill: none; stroke-width: 1.4; } "
     ".wmrgen .rest { stroke: #767676; stroke-width: 0.8; }</style>"
@@ -77,7 +67,7 @@ def _numbers(designs: Sequence[Facts], name: str) -> str:
 
 
 def _colour(k: int) -> str:
-    return _COLOURS[k % len(_COLOURS)]
+    return COLOURS[k % len(COLOURS)]
 
 
 def _value(facts: Facts, name: str) -> float | None:
@@ -90,7 +80,7 @@ def _differs(quality: Quality, designs: Sequence[Facts]) -> bool:
     values = [value for facts in designs if (value := _value(facts, quality.name)) is not None]
     if not values:
         return False
-    return max(values) - min(values) > ROUNDING * max(map(abs, values)) or len(values) < len(designs)
+    return max(values) - min(values) > NEGLIGIBLE * max(map(abs, values)) or len(values) < len(designs)
 
 
 def _panel(

@@ -10,12 +10,12 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from wmrgen.analysis.mobility.basis import NEGLIGIBLE
 from wmrgen.errors import UsageError
 from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.tools.simulating.model import NAMES, SLIDING, Model, Reals, Twist, Values
 
 _PICO = 12  # digits of a time [s]: sums of steps of 10 ms stay round
-ROUNDING = 1e-9  # relative, and of a number of steps: smaller differences are rounding errors
 MOST = 200_000  # steps of a drive: half an hour at 10 ms, and about 100 MB of results
 
 
@@ -33,20 +33,24 @@ class Order(NamedTuple):
     after: Values = _NONE  # parts of the state at the end, if they are known
 
 
+class Moment(NamedTuple):
+    """What a source of commands knows when it is asked, for N starts."""
+
+    model: Model
+    t: Reals  # [s], (N,)
+    state: Values
+
+    @property
+    def starts(self) -> int:
+        """The number N."""
+        return len(self.state[NAMES[0]])
+
+
 class Source(Protocol):
     """A source of commands."""
 
-    def order(self, model: Model, t: Reals, state: Values) -> Order | None:
-        """Return the next order at the times t [s], (N,); None at the end.
-
-        Args:
-            model: The robot.
-            t: The present times [s], (N,).
-            state: The present state.
-
-        Returns:
-            The order; None at the end.
-        """
+    def order(self, now: Moment) -> Order | None:
+        """Return the next order; None at the end."""
 
 
 def steps_of(seconds: float, step: float) -> int:
@@ -56,7 +60,7 @@ def steps_of(seconds: float, step: float) -> int:
         raise UsageError(
             f"{seconds:g} s are more than {MOST} steps of {step:g} s. Write a shorter time, or a longer --step."
         )
-    return max(1, ceil(count - ROUNDING))  # a step that fits up to rounding is not cut
+    return max(1, ceil(count - NEGLIGIBLE))  # a step that fits up to rounding is not cut
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +117,7 @@ def simulate(model: Model, state: Mapping[str, Reals], source: Source) -> Drive:
     t = np.zeros(count)
     rows: list[dict[str, Reals]] = []
     last: dict[str, Reals] = {}
-    while (order := source.order(model, t, now)) is not None:
+    while (order := source.order(Moment(model, t, now))) is not None:
         joints, twist = _commanded(model, now, order)
         for wheel in model.steered:
             now[f"{wheel}.steer"] = joints[f"{wheel}.steer"]

@@ -16,7 +16,7 @@ import numpy as np
 from wmrgen.geometry.layout.records import Wheel
 from wmrgen.report.figures.figure import RIGHT, WIDTH, Figure, Group, Pose, View, figure, fitted, moved, panel
 from wmrgen.report.figures.marks import body, chassis, extremes, placed
-from wmrgen.report.figures.paper import Box, Paper, Point, bar, circle, line, lines, num, text, width
+from wmrgen.report.figures.paper import COLOURS, Box, Paper, Point, bar, circle, line, lines, num, text, width
 from wmrgen.tools.simulating.drive import Drive
 from wmrgen.tools.simulating.model import Reals
 
@@ -34,16 +34,6 @@ _OUTLINES = 8  # robots along a path; more cover each other
 _ROOM = 1.6  # distance between two robots along a path, in sizes of the robot
 _CONSTANT = 1e-6  # relative: smaller changes are not visible
 _WHEELBASE = 0.05  # m: size of a robot whose wheels are all at P
-_COLOURS = (
-    "#0072b2",
-    "#d55e00",
-    "#009e73",
-    "#cc79a7",
-    "#56b4e9",
-    "#e69f00",
-    "#000000",
-    "#767676",
-)  # Okabe, Ito
 _DASHES = (
     "",
     ' stroke-dasharray="5 3"',
@@ -92,7 +82,7 @@ def picture(drives: Sequence[Drive], goal: tuple[float, float] | None = None) ->
     runs: list[Run] = []
     for number, drive in enumerate(drives):
         for start in range(drive.starts):
-            runs.append(Run(drive, number, start, _COLOURS[len(runs) % len(_COLOURS)]))
+            runs.append(Run(drive, number, start, COLOURS[len(runs) % len(COLOURS)]))
     last = max(float(run.t[-1]) for run in runs)
     groups = [("", [_STYLE]), *_course(runs, goal, last)]
     top = _PATH[3] + 16.0
@@ -341,7 +331,7 @@ def _joints(runs: Sequence[Run], joint: str, scale: float) -> list[Curve]:
     for run in (run for run in runs if not run.start):
         own = [name for name in run.drive.columns if name.endswith(f".{joint}")]
         for k, name in enumerate(own):
-            wheel, colour = name.removesuffix(f".{joint}"), _COLOURS[k % len(_COLOURS)]
+            wheel, colour = name.removesuffix(f".{joint}"), COLOURS[k % len(COLOURS)]
             known = any((curve.name, curve.colour) == (wheel, colour) for curve in curves)
             label = "" if known else wheel
             curves.append(Curve(run, label, run.t, scale * run.column(name), colour))
@@ -357,7 +347,7 @@ def _hitches(runs: Sequence[Run]) -> list[Curve]:
         for k, trailer in enumerate(run.drive.model.trailers):
             heading = run.column(f"{trailer}.theta")
             label = "" if any(curve.name == trailer for curve in curves) else trailer
-            curves.append(Curve(run, label, run.t, np.degrees(ahead - heading), _COLOURS[k % len(_COLOURS)]))
+            curves.append(Curve(run, label, run.t, np.degrees(ahead - heading), COLOURS[k % len(COLOURS)]))
             ahead = heading
     return curves
 

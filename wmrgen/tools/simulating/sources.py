@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmrgen.functions.motion.segments import Phase
 from wmrgen.geometry.ports import TWIST_NAMES
-from wmrgen.tools.simulating.drive import Order, steps_of
-from wmrgen.tools.simulating.model import NAMES, Model, Reals, Twist, Values
+from wmrgen.tools.simulating.drive import Moment, Order, steps_of
+from wmrgen.tools.simulating.model import Model, Reals, Twist, Values
 from wmrgen.tools.simulating.table import Table
+
+Booleans = NDArray[np.bool_]
 
 NEAR = 1e-3  # m: a goal that is nearer than this is reached
 ALIGNED = 0.01  # rad, half a degree: the heading at the goal is reached
@@ -31,21 +34,12 @@ class Segments:
                 self._steps += [(phase, seconds / count, k) for k in range(count)]
         self._steps.reverse()
 
-    def order(self, model: Model, t: Reals, state: Values) -> Order | None:
-        """Return the next step of the present phase.
-
-        Args:
-            model: The robot.
-            t: The present times [s], (N,).
-            state: The present state.
-
-        Returns:
-            The order; None at the end.
-        """
+    def order(self, now: Moment) -> Order | None:
+        """Return the next step of the present phase."""
         if not self._steps:
             return None
         phase, dt, number = self._steps.pop()
-        size = len(state[NAMES[0]])
+        size, state = now.starts, now.state
         vx, vy, omega = (np.full(size, float(value)) for value in phase.twist)
         joints = {f"{name}.spin": np.full(size, float(value)) for name, value in phase.spins.items()}
         if phase.action != "steer":
@@ -54,97 +48,85 @@ class Segments:
         swings = {}
         for wheel, angle in phase.steers.items():
             swings[f"{wheel}.steer"] = (float(angle) - state[f"{wheel}.steer"]) / remaining
-        now = {f"{wheel}.steer": state[f"{wheel}.steer"] for wheel in phase.steers}
-        return Order((vx, vy, omega), np.full(size, dt), joints=joints | now, swings=swings)
+        held = {f"{wheel}.steer": state[f"{wheel}.steer"] for wheel in phase.steers}
+        return Order((vx, vy, omega), np.full(size, dt), joints=joints | held, swings=swings)
 
 
-class GoToPose:
-    """The polar feedback law `goto_pose` (Siegwart (3.56)-(3.58)), evaluated once in a step."""
+class _ToGoal:
+    """A control law that is evaluated once in a step, until all starts have arrived or the time is over."""
+
+    def __init__(self, step: float, time: float) -> None:
+        """Take the step [s], and the time [s] after which the robot gives up."""
+        self._step, self._time = step, time
+        steps_of(time, step)
+        self.arrived: Reals | None = None  # [s], nan before
+
+    def _law(self, now: Moment) -> tuple[Twist, Booleans, Reals]:
+        """Return the twist of the law, which starts are at the goal, and the longest step of each [s]."""
+        raise NotImplementedError
+
+    def order(self, now: Moment) -> Order | None:
+        """Return the twist of the law; a start that has reached the goal stands still."""
+        if self.arrived is None:
+            self.arrived = np.full(now.starts, np.nan)
+        twist, there, most = self._law(now)
+        self.arrived = np.where(np.isnan(self.arrived) & there, now.t, self.arrived)
+        moving = np.isnan(self.arrived)
+        time = float(now.t.max())
+        if not moving.any() or time >= self._time - _INSTANT:
+            return None
+        vx, vy, omega = (np.where(moving, value, 0.0) for value in twist)
+        longest = min(self._step, self._time - time)
+        return Order((vx, vy, omega), np.where(moving, np.minimum(longest, most), longest))
+
+
+class GoToPose(_ToGoal):
+    """The polar feedback law `goto_pose` (Siegwart (3.56)-(3.58))."""
 
     def __init__(self, goal: tuple[float, float, float], step: float, time: float) -> None:
         """Take the goal (x, y [m], theta [rad]), the step [s], and the time [s] after which the robot gives up."""
-        self._goal, self._step, self._time = goal, step, time
-        steps_of(time, step)
+        super().__init__(step, time)
+        self._goal = goal
         self._direction: Reals | None = None
-        self.arrived: Reals | None = None
 
-    def order(self, model: Model, t: Reals, state: Values) -> Order | None:
-        """Return the twist of the law; a start that has reached the goal stands still.
-
-        Args:
-            model: The robot.
-            t: The present times [s], (N,).
-            state: The present state.
-
-        Returns:
-            The order; None at the end.
-        """
-        size = len(state[NAMES[0]])
-        if self._direction is None or self.arrived is None:
-            self._direction, self.arrived = np.zeros(size), np.full(size, np.nan)
+    def _law(self, now: Moment) -> tuple[Twist, Booleans, Reals]:
+        if self._direction is None:
+            self._direction = np.zeros(now.starts)
         x, y, theta = self._goal
         c, s = np.cos(theta), np.sin(theta)
-        dx, dy, turned = state["x"] - x, state["y"] - y, state["theta"] - theta
+        dx, dy, turned = now.state["x"] - x, now.state["y"] - y, now.state["theta"] - theta
         pose = {"x": c * dx + s * dy, "y": c * dy - s * dx, "theta": turned}
-        found = model.call("goto_pose", {**state, **pose, "direction": self._direction})
+        found = now.model.call("goto_pose", {**now.state, **pose, "direction": self._direction})
         self._direction = found["direction"]
         error = np.abs(np.arctan2(np.sin(turned), np.cos(turned)))
         there = (found["rho"] < NEAR) & (error < ALIGNED)
-        self.arrived = np.where(np.isnan(self.arrived) & there, t, self.arrived)
-        moving = np.isnan(self.arrived)
-        time = float(t.max())
-        if not moving.any() or time >= self._time - _INSTANT:
-            return None
-        twist = _of_axle(model, found["v"], found["omega"])
-        vx, vy, omega = (np.where(moving, value, 0.0) for value in twist)
-        return Order((vx, vy, omega), np.full(size, min(self._step, self._time - time)))
+        return _of_axle(now.model, found["v"], found["omega"]), there, np.full(now.starts, np.inf)
+
+
+class Pursue(_ToGoal):
+    """The law `pursuit` (Tzafestas (2.57)) towards a fixed point: a circle that is tangent to the heading."""
+
+    def __init__(self, goal: tuple[float, float], speed: float, step: float, time: float) -> None:
+        """Take the goal (x, y) [m], the speed [m/s], the step [s] and the time [s] after which the robot gives up."""
+        super().__init__(step, time)
+        self._goal, self._speed = goal, speed
+
+    def _law(self, now: Moment) -> tuple[Twist, Booleans, Reals]:
+        c, s = np.cos(now.state["theta"]), np.sin(now.state["theta"])
+        dx, dy = self._goal[0] - now.state["x"], self._goal[1] - now.state["y"]
+        ahead = {"goal_x": c * dx + s * dy, "goal_y": c * dy - s * dx, "v": np.full(now.starts, self._speed)}
+        found = now.model.call("pursuit", {**now.state, **ahead})
+        _, _, qx, qy = now.model.axle
+        distance = np.hypot(ahead["goal_x"] - qx, ahead["goal_y"] - qy)  # of the axle centre
+        # The last step ends at the goal.
+        most = np.maximum(distance, NEAR) / abs(self._speed)
+        return _of_axle(now.model, ahead["v"], found["omega"]), distance < NEAR, most
 
 
 def _of_axle(model: Model, v: Reals, omega: Reals) -> Twist:
     """Return the twist of P for the speed v of the axle centre and the yaw rate: v e - omega z x Q."""
     ex, ey, qx, qy = model.axle
     return v * ex + omega * qy, v * ey - omega * qx, omega
-
-
-class Pursue:
-    """The law `pursuit` (Tzafestas (2.57)) towards a fixed point: a circle that is tangent to the heading."""
-
-    def __init__(self, goal: tuple[float, float], speed: float, step: float, time: float) -> None:
-        """Take the goal (x, y) [m], the speed [m/s], the step [s] and the time [s] after which the robot gives up."""
-        self._goal, self._speed, self._step, self._time = goal, speed, step, time
-        steps_of(time, step)
-        self.arrived: Reals | None = None
-
-    def order(self, model: Model, t: Reals, state: Values) -> Order | None:
-        """Return the twist of the law. The last step ends at the goal.
-
-        Args:
-            model: The robot.
-            t: The present times [s], (N,).
-            state: The present state.
-
-        Returns:
-            The order; None at the end.
-        """
-        size = len(state[NAMES[0]])
-        if self.arrived is None:
-            self.arrived = np.full(size, np.nan)
-        c, s = np.cos(state["theta"]), np.sin(state["theta"])
-        dx, dy = self._goal[0] - state["x"], self._goal[1] - state["y"]
-        ahead = {"goal_x": c * dx + s * dy, "goal_y": c * dy - s * dx, "v": np.full(size, self._speed)}
-        found = model.call("pursuit", {**state, **ahead})
-        twist = _of_axle(model, ahead["v"], found["omega"])
-        _, _, qx, qy = model.axle
-        distance = np.hypot(ahead["goal_x"] - qx, ahead["goal_y"] - qy)  # of the axle centre
-        self.arrived = np.where(np.isnan(self.arrived) & (distance < NEAR), t, self.arrived)
-        moving = np.isnan(self.arrived)
-        time = float(t.max())
-        if not moving.any() or time >= self._time - _INSTANT:
-            return None
-        vx, vy, omega = (np.where(moving, value, 0.0) for value in twist)
-        longest = min(self._step, self._time - time)
-        dt = np.minimum(longest, np.maximum(distance / abs(self._speed), NEAR / abs(self._speed)))
-        return Order((vx, vy, omega), np.where(moving, dt, longest))
 
 
 class Recorded:
@@ -161,21 +143,12 @@ class Recorded:
         self._steps.reverse()
         self._x: Reals | None = None  # state of the model, for commands in its inputs
 
-    def order(self, model: Model, t: Reals, state: Values) -> Order | None:
-        """Return the next step of the present row.
-
-        Args:
-            model: The robot.
-            t: The present times [s], (N,).
-            state: The present state.
-
-        Returns:
-            The order; None at the end.
-        """
+    def order(self, now: Moment) -> Order | None:
+        """Return the next step of the present row."""
         if not self._steps:
             return None
         row, seconds = self._steps.pop()
-        size = len(state[NAMES[0]])
+        size, model, state = now.starts, now.model, now.state
         dt = np.full(size, seconds)
         values = {name: np.full(size, column[row]) for name, column in self._table.columns.items()}
         if self._table.kind == "twist":

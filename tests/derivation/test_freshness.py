@@ -364,6 +364,7 @@ def test_a_script_that_may_extend_wmrgen_always_derives(project: Path) -> None:
     assert recorded_inputs(project / "other" / "pair") == {}
 
 
+@pytest.mark.slow
 def test_several_processes_write_the_same_and_say_the_same(tmp_path: Path) -> None:
     robots = [ROOT / "robots" / f"{name}.yaml" for name in ("unicycle", "festo_robotino", "bicycle")]
     said = {}
@@ -375,6 +376,7 @@ def test_several_processes_write_the_same_and_say_the_same(tmp_path: Path) -> No
     assert said[1] == said[3] and "note: festo_robotino" in said[1][1]
 
 
+@pytest.mark.slow
 def test_errors_of_several_processes(tmp_path: Path) -> None:
     """The first error in the order of the files ends the command, and nothing is written."""
     for name in ("one", "two", "three"):

@@ -19,6 +19,8 @@ from textbook.index.search import find
 from textbook.index.table import ROWS
 from textbook.library import FUNCTIONS
 
+pytestmark = pytest.mark.slow
+
 Cli = Callable[..., Outcome]
 
 

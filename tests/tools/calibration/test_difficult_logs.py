@@ -28,6 +28,8 @@ from wmrgen.errors import UsageError
 from wmrgen.tools.calibration.calibrate import calibrate
 from wmrgen.tools.calibration.noise import noise
 
+pytestmark = pytest.mark.slow
+
 SLIPS = ((7.0, 7.6, 1.8), (20.0, 20.4, 0.3))  # first and last time [s], and how far the wheel turns
 
 

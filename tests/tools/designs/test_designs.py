@@ -15,6 +15,8 @@ from distributed import LocalCluster
 
 from tests.conftest import ROOT, command_line
 
+pytestmark = pytest.mark.slow
+
 ROBOTS = ROOT / "robots"
 PAIR = """\
 wmrgen: 1

@@ -20,6 +20,8 @@ from wmrgen.tools.importing.expressions import checked, counted, offered
 from wmrgen.tools.importing.read import mark_of
 from wmrgen.tools.importing.xacro_process import resolve
 
+pytestmark = pytest.mark.slow
+
 Cli = Callable[..., Outcome]
 HEAD = '<robot name="probe" xmlns:xacro="http://www.ros.org/wiki/xacro">'
 WHEELS = pair().replace('radius="0.1"', 'radius="${size.wheel / 2}"').replace('"0.05 ', '"$(arg ahead) ')

@@ -23,7 +23,18 @@ from wmrgen.errors import Code, Mark, RobotFileError
 from wmrgen.functions.control.gains import TEXTBOOK
 from wmrgen.functions.registry import check, optional_names
 from wmrgen.geometry.layout import build
-from wmrgen.robotfile.fields import Amount, Field, Interval, ListOf, Name, OneOf, OuterName, Text, Version
+from wmrgen.robotfile.fields import (
+    Amount,
+    Field,
+    Interval,
+    Letter,
+    ListOf,
+    Name,
+    OneOf,
+    OuterName,
+    Text,
+    Version,
+)
 from wmrgen.robotfile.keys import GAINS, JOINTS, ROBOT, SECTIONS, VIRTUAL, WHEEL
 from wmrgen.robotfile.numbers import Kind, spellings_of
 from wmrgen.robotfile.quantities import parse_value
@@ -318,6 +329,8 @@ def mistake(field: Field) -> tuple[str, Code]:
     match field.value:
         case Name():
             return f"{key}: front-left", Code.NAME
+        case Letter():
+            return f"{key}: omega", Code.NAME
         case OuterName():
             return f"{key}: wheel*", Code.NAME
         case ListOf(OneOf("wheel" | "function")):

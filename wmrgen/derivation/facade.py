@@ -522,11 +522,14 @@ class Derivation:
 
     def _repr_latex_(self) -> str:
         """Return J1, C1, N and the degrees as LaTeX, for notebooks."""
+        from wmrgen.geometry import notation
         from wmrgen.geometry.printing import Latex
 
         m, printed = self.mobility, Latex()
         matrices = (("J_1", self.J1), ("C_1", self.C1), ("N", self.null_space))
-        lines = [f"{name} &= {printed.doprint(value)}" for name, value in matrices if value.rows * value.cols]
+        with notation.with_symbols(self.robot.symbols):
+            shown = {name: printed.doprint(value) for name, value in matrices if value.rows * value.cols}
+        lines = [f"{name} &= {value}" for name, value in shown.items()]
         degrees = zip(
             "msM", (m.degree_of_mobility, m.degree_of_steerability, m.degree_of_maneuverability), strict=True
         )

@@ -7,7 +7,9 @@ wheel as an index. This module does not import sympy; `printing` writes whole ex
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from fractions import Fraction
 from typing import Literal
 
@@ -17,7 +19,7 @@ _GREEK = frozenset(
     "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu xi rho sigma tau phi psi omega".split()
 )
 # Letters that the reports do not use themselves, except d, l and r of wheels.
-_LETTERS = frozenset("abdfgjlrs")
+_LETTERS = frozenset("abdfghjlrs")
 _INDEXED = frozenset("v_x v_y c1 c2 c_1 c_2".split())  # indexed letters that the reports use themselves
 _JOINTS = {
     "spin": r"\dot{\varphi}", "spin_rate": r"\ddot{\varphi}",
@@ -28,6 +30,8 @@ Style = Literal["", "exact", "decimals", "fractions"]
 _COMPONENT = re.compile(r"([a-z])([xyz])")  # vx
 _ROOTS = ("", r"\sqrt{2}", r"\sqrt{3}", r"\sqrt{6}")  # the basis of the number field, as in `Exact.num`
 _COVARIANCE = re.compile(r"(vx|vy|omega|x|y|theta)(vx|vy|omega|x|y|theta)")
+# The symbols of parameters that the robot file gives, by name of the parameter.
+_symbols: ContextVar[Mapping[str, str]] = ContextVar("symbols", default={})  # noqa: B039 (it is never changed)
 _NUMBERED = re.compile(r"([a-z]+)(\d+)")  # eta1, m12
 
 
@@ -152,14 +156,34 @@ def parameter(name: str) -> str:
     """Return the LaTeX of a parameter's name.
 
     ``r``, ``d_1`` and ``h_x`` look as they are written by hand, and other words are in italics. Names that the reports
-    use for their own symbols are in typewriter type: ``h`` (a heading), ``L``, ``gamma``, ``v_x``.
+    use for their own symbols are in typewriter type: ``L``, ``gamma``, ``v_x``. Inside `with_symbols`, a parameter with
+    a symbol is shown by it.
     """
+    if own := _symbols.get().get(name):
+        return letter(own)
     if name in _LETTERS:
         return name
     if len(name) == 1 or name in _GREEK or name in _INDEXED:
         return rf"\mathtt{{{escape(name)}}}"
     indexed = re.fullmatch(r"([a-z])_?([a-z0-9]|\d+)", name)
     return f"{indexed[1]}_{{{indexed[2]}}}" if indexed else rf"\mathit{{{escape(name)}}}"
+
+
+def letter(symbol: str) -> str:
+    """Return the LaTeX of a parameter's symbol in the robot file: ``h``, ``l_x``, ``lambda``, ``l_rear``."""
+    head, _, index = symbol.partition("_")
+    base = rf"\{head}" if head in _GREEK else head
+    return f"{base}_{{{_word(index)}}}" if index else base
+
+
+@contextmanager
+def with_symbols(symbols: Mapping[str, str]) -> Iterator[None]:
+    """Show parameters by their ``symbols``, by name of the parameter, in all LaTeX that is written in this context."""
+    outside = _symbols.set(symbols)
+    try:
+        yield
+    finally:
+        _symbols.reset(outside)
 
 
 def port(name: str) -> str:

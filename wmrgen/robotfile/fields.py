@@ -24,6 +24,11 @@ class Name:
     """A new name, see `wmrgen.robotfile.names`."""
 
 
+@dataclass(frozen=True, slots=True)
+class Letter:
+    """The letter of a parameter in formulas, see `wmrgen.robotfile.names.symbol_name`."""
+
+
 class Text(NamedTuple):
     """Free text for people."""
 
@@ -118,7 +123,9 @@ class Section(NamedTuple):
         return {f.key: f for f in self.fields}[key]
 
 
-Value = Version | Name | OuterName | Text | Word | Amount | Interval | OneOf | ListOf | Mapped | Section
+Value = (
+    Version | Name | Letter | OuterName | Text | Word | Amount | Interval | OneOf | ListOf | Mapped | Section
+)
 Reason = tuple[str, str]  # why it matters, what to write
 Error = tuple[str, str, str]  # what is wrong, why it matters, what to write
 

@@ -8,6 +8,7 @@ from wmrgen.robotfile.fields import (
     Choice,
     Field,
     Interval,
+    Letter,
     ListOf,
     Mapped,
     Name,
@@ -339,6 +340,10 @@ PARAMETER = Section(
             "tunable", Word(YES, "false", interval=Kind.ANY),
             "the parameter remains an input of the generated code, with values from low to high; true: within 10 % of "
             "the value, or within 0.01 (m, rad) if the value is 0", example="[0.09, 0.11]",
+        ),
+        Field(
+            "symbol", Letter(), "its letter in the formulas of reports: a Latin or Greek letter, with or without an "
+            "index", default="its name", example="h",
         ),
     ),
 )  # fmt: skip

@@ -22,6 +22,9 @@ MAX_NAME = 31  # characters; see _WHY_SO_LONG
 NAME_PATTERN = f"^[A-Za-z][A-Za-z0-9_]{{0,{MAX_NAME - 1}}}$"
 # Names in public descriptions have prefixes (front_left/wheel), models (robot::wheel), hyphens and version numbers.
 OUTER_NAME_PATTERN = "^[A-Za-z0-9_/](?:[A-Za-z0-9_./: -]{0,198}[A-Za-z0-9_./-])?$"
+# Letters that reports do not use for anything else in the formulas of a robot: not v, x, y, theta, omega, psi, phi, …
+SYMBOL_LETTERS = (*"abdfghjlrsDEFGKLQSUWXYZ", *"alpha beta gamma epsilon zeta kappa lambda mu tau".split())
+SYMBOL_PATTERN = f"^({'|'.join(SYMBOL_LETTERS)})(_[A-Za-z0-9]{{1,8}})?$"  # an index of a word at most
 _WHY_SO_LONG = (
     "C compilers need to compare only 63 characters of a macro (C99, 5.2.4.1): the robot's name, _ and a wheel's name, "
     f"with at most {MAX_NAME} characters each."
@@ -92,8 +95,7 @@ def _free(name: str) -> str:
 
 def _repaired(name: str, what: str) -> str:
     """Return a valid name that is similar to an invalid one, or ""."""
-    name = re.sub("[Α-Ωα-ω]", lambda letter: unicodedata.name(letter[0]).split()[3].lower(), name)
-    near = re.sub(r"[^A-Za-z0-9]+", "_", latin(name)).strip("_")[:MAX_NAME].rstrip("_")
+    near = re.sub(r"[^A-Za-z0-9]+", "_", latin(in_latin_letters(name))).strip("_")[:MAX_NAME].rstrip("_")
     return near if re.fullmatch(NAME_PATTERN, near) and not _refusal(near, what) else ""
 
 
@@ -117,6 +119,34 @@ def numbered_names(node: Scalar, count: int) -> tuple[str, ...]:
 def parameter_name(node: Scalar) -> str:
     """Return the name of a parameter; raise RobotFileError if it is invalid, or a word of expressions or the model."""
     return _check(node, "parameter")
+
+
+def symbol_name(node: Scalar, what: str) -> str:
+    """Return the letter, with or without an index, that stands for a parameter in formulas: ``h``, ``l_x``, ``lambda``.
+
+    A Greek letter may be written as its name or as itself. RobotFileError is raised if reports use the letter for
+    something else, or if the text is no letter.
+    """
+    text = in_latin_letters(node.text)
+    if not re.fullmatch(SYMBOL_PATTERN, text):
+        raise node.error(
+            f"{quoted(node.text)} cannot be the symbol of {what}",
+            "A symbol is one letter, Latin or Greek, that reports do not use for anything else. It may have an index "
+            "of letters and digits, as l_x has.",
+            f"Write one of {' '.join(SYMBOL_LETTERS)}, with an index if you need more.",
+            code=Code.NAME,
+        )
+    return text
+
+
+def in_latin_letters(text: str) -> str:
+    """Return the text with each Greek letter replaced by its name: ``α_1`` becomes ``alpha_1``."""
+
+    def name(letter: re.Match[str]) -> str:
+        word = unicodedata.name(letter[0]).split()[3].lower()
+        return "lambda" if word == "lamda" else word  # Unicode's spelling
+
+    return re.sub("[Α-Ωα-ω]", name, text)
 
 
 def outer_name(node: Scalar, what: str) -> str:

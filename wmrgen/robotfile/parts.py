@@ -10,7 +10,7 @@ from typing import NamedTuple
 from wmrgen.errors import ErrorCollector, RobotFileError
 from wmrgen.robotfile.fields import Mapped
 from wmrgen.robotfile.keys import CG, GAINS, GYRO, PARAMETER, ROBOT, TRAILER, VIRTUAL
-from wmrgen.robotfile.names import Names, parameter_name, wheel_name
+from wmrgen.robotfile.names import Names, parameter_name, symbol_name, wheel_name
 from wmrgen.robotfile.numbers import Kind
 from wmrgen.robotfile.quantities import Facts, Scope, check_same_kind, facts_of, parse_value, read_quantity
 from wmrgen.robotfile.records import (
@@ -170,12 +170,19 @@ def _own_name(table: Table, default: str, names: Names, what: str) -> str:
 # ---- parameters
 
 
-class _Declared(NamedTuple):
-    """A parameter that has been parsed."""
+class _Entry(NamedTuple):
+    """What the file says about a parameter."""
 
-    node: Scalar  # of the value
-    tunable: bool
-    ends: SequenceNode | None  # of the range of a tunable parameter
+    value: Scalar
+    tunable: bool = False
+    ends: SequenceNode | None = None  # of the range of a tunable parameter
+    symbol: str = ""  # its letter in reports; "" if it has none
+
+
+class _Declared(NamedTuple):
+    """A parameter whose value has been parsed."""
+
+    entry: _Entry
     tree: Expr
     unit: Kind | None  # what the unit after the value measures
 
@@ -210,23 +217,23 @@ def read_parameters(
         with collector:
             names.add(parameter_name(key), "a parameter", key)
         with collector:
-            value_node, tunable, ends = _entry(name, entry)
-            tree, unit = parse_value(value_node, scope.facts, Kind.ANY, f"parameter {name}")
-            declared[name] = _Declared(value_node, tunable, ends, tree, unit)
+            own = _entry(name, entry)
+            tree, unit = parse_value(own.value, scope.facts, Kind.ANY, f"parameter {name}")
+            declared[name] = _Declared(own, tree, unit)
     parameters: list[ParameterSpec] = []
     order: list[str] = []
     with collector:
         order = _dependency_order(declared)
     for name in order:
         with collector:
-            own = declared[name]
-            facts[name] = facts_of(own.tree, own.unit, scope, own.node)
-            quantity = Quantity(own.tree, own.node.text.strip(), own.node.mark)
-            parameters.append(ParameterSpec(name, quantity, own.tunable))
+            own, tree, unit = declared[name]
+            facts[name] = facts_of(tree, unit, scope, own.value)
+            quantity = Quantity(tree, own.value.text.strip(), own.value.mark)
+            parameters.append(ParameterSpec(name, quantity, own.tunable, symbol=own.symbol))
     # Ranges come last, because they may use any parameter.
     for k, p in enumerate(parameters):
         with collector:
-            parameters[k] = p._replace(range=_range(p.name, declared[p.name].ends, scope))
+            parameters[k] = p._replace(range=_range(p.name, declared[p.name].entry.ends, scope))
     return tuple(parameters), scope
 
 
@@ -277,7 +284,7 @@ def _dependency_order(declared: Mapping[str, _Declared]) -> list[str]:
                 order[name] = None
                 path.pop()
             elif missing[0] in path:
-                raise _circle(path[path.index(missing[0]) :], declared[name].node)
+                raise _circle(path[path.index(missing[0]) :], declared[name].entry.value)
             else:
                 path.append(missing[0])
     return list(order)
@@ -293,17 +300,20 @@ def _circle(names: list[str], node: Scalar) -> RobotFileError:
     )
 
 
-def _entry(name: str, node: Node) -> tuple[Scalar, bool, SequenceNode | None]:
-    """Return the value of a parameter, whether it is tunable, and the list of the ends of its range."""
+def _entry(name: str, node: Node) -> _Entry:
+    """Read what the file says about a parameter."""
     what = f"parameter {name}"
     if not isinstance(node, MappingNode):
-        return scalar_of(node, what), False, None
-    collector, tunable = ErrorCollector(), False
+        return _Entry(scalar_of(node, what))
+    collector, tunable, symbol = ErrorCollector(), False, ""
     table = table_of(node, PARAMETER, collector, what)
     ends = table.get("tunable")
     with collector:
         tunable = isinstance(ends, SequenceNode) or table.word("tunable")
     with collector:
         value = scalar_of(table.require("value", what), what)
+    with collector:
+        written = table.get("symbol")
+        symbol = symbol_name(scalar_of(written, "symbol"), what) if written else ""
     collector.end()
-    return value, tunable, ends if isinstance(ends, SequenceNode) else None
+    return _Entry(value, tunable, ends if isinstance(ends, SequenceNode) else None, symbol)

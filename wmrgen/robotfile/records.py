@@ -97,6 +97,7 @@ class ParameterSpec(NamedTuple):
     range: tuple[Quantity, Quantity] | None = (
         None  # lowest and highest value of a tunable parameter, if given
     )
+    symbol: str = ""  # its letter in reports, if given
 
 
 class Limit(NamedTuple):

@@ -9,6 +9,7 @@ from wmrgen.robotfile.fields import (
     Choice,
     Field,
     Interval,
+    Letter,
     ListOf,
     Mapped,
     Name,
@@ -21,6 +22,7 @@ from wmrgen.robotfile.fields import (
     Word,
 )
 from wmrgen.robotfile.keys import SECTIONS, WHEEL
+from wmrgen.robotfile.names import SYMBOL_LETTERS
 from wmrgen.robotfile.numbers import Kind, units_of
 from wmrgen.robotfile.schema import SI
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES
@@ -86,6 +88,9 @@ wheels:
   - {name: left,  type: fixed, x: 0, y: track/2,  heading: 0, r: radius}
   - {name: right, type: fixed, x: 0, y: -track/2, heading: 0, r: radius}
 ```
+
+Formulas of reports show the names of parameters. `symbol` replaces a name by a letter, as in a textbook:
+`half_track: {value: 16 cm, symbol: h}`.
 
 **More functions** need more keys, and are listed under `functions`:
 
@@ -188,6 +193,8 @@ def _in_words(value: Value) -> str:
             return f"`{number}`"
         case Name():
             return "new name: a-z, A-Z, 0-9 and _, at most 31 characters"
+        case Letter():
+            return f"one of {' '.join(SYMBOL_LETTERS)}; an index may follow, as in `l_x`"
         case OuterName(signed):
             return f"name in other tools{', with `-` before it if its axis is opposite' * signed}"
         case Text(longest):
@@ -208,7 +215,7 @@ def _in_words(value: Value) -> str:
             items = "mappings, see below" if isinstance(item, Section) else _in_words(item)
             return f"list of {items}{f' ({many})' if many else ''}"
         case Mapped(_, most):
-            return f"`name: quantity` or `name: {{value, tunable}}`, at most {most}"
+            return f"`name: quantity` or `name: {{value, tunable, symbol}}`, at most {most}"
         case Section():
             return "mapping, see below"
 

@@ -13,6 +13,7 @@ from wmrgen.robotfile.fields import (
     Choice,
     Field,
     Interval,
+    Letter,
     ListOf,
     Mapped,
     Name,
@@ -26,7 +27,7 @@ from wmrgen.robotfile.fields import (
 )
 from wmrgen.robotfile.keys import ENCODER, JOINTS, LIMITS, NOISE, ROBOT, WHEEL
 from wmrgen.robotfile.load import OPEN
-from wmrgen.robotfile.names import NAME_PATTERN, OUTER_NAME_PATTERN
+from wmrgen.robotfile.names import NAME_PATTERN, OUTER_NAME_PATTERN, SYMBOL_PATTERN
 from wmrgen.robotfile.numbers import NUMBER, Kind, spellings_of, units_of
 from wmrgen.robotfile.wheel_types import WHEEL_TYPES, WheelType
 from wmrgen.robotfile.wheels import takes
@@ -152,6 +153,9 @@ def _value(value: Value) -> Schema:
             return {"const": int(number)}
         case Name():
             return _ref("name")
+        case Letter():
+            text = "a letter that reports do not use for anything else, with or without an index, such as l_x"
+            return _name(SYMBOL_PATTERN.replace("(", "([α-ω]|", 1), text)
         case OuterName(signed):
             pattern = OUTER_NAME_PATTERN.replace("^", "^-?", 1) if signed else OUTER_NAME_PATTERN
             text = "a name: letters, digits, spaces and _ - . / :, 200 characters at most"

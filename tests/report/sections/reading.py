@@ -6,10 +6,21 @@ import math
 import re
 from collections.abc import Mapping
 
+from wmrgen.geometry import notation
+from wmrgen.geometry.layout.records import Robot
+
 _SKIPPED = re.compile(r"(\\[,;]|\\cdot|\\qquad|\\\\|[\s&])+")
 _NUMBER = re.compile(r"\d+(\.\d+)?")
 _OPENED = {r"\left(": r"\right)", r"\Bigl(": r"\Bigr)", "{": "}", r"\left|": r"\right|"}
 _FUNCTIONS = {r"\cos": math.cos, r"\sin": math.sin, r"\tan": math.tan, r"\cot": lambda a: 1 / math.tan(a)}
+
+
+def lengths_in_formulas(robot: Robot) -> dict[str, float]:
+    """Return the values of a robot's parameters by their LaTeX."""
+    own = {}
+    for p in robot.parameters:
+        own[notation.letter(p.symbol) if p.symbol else notation.parameter(p.name)] = float(p.nominal)
+    return own
 
 
 class Reading:

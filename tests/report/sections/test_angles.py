@@ -10,7 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.report.sections.common import page_of
-from tests.report.sections.reading import read
+from tests.report.sections.reading import lengths_in_formulas, read
 from tests.robots import ROBOTS, of_gallery
 from wmrgen.geometry import notation
 from wmrgen.geometry.exact.evaluate import sqrt_poly
@@ -118,7 +118,7 @@ def test_where_a_car_turns(name: str, behind: float, across: float | None, track
     steered = next(w for w in robot.wheels if w.kind.steers)
     wheelbase = float(steered.nominal.x) + behind
     assert across is None or wheelbase == pytest.approx(across)
-    values = {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
+    values = lengths_in_formulas(robot)
     for psi in (-0.4, 0.1, 1.2):
         values[notation.port(f"{steered.name}.steer")] = psi
         assert read(x, values) == pytest.approx(-behind)

@@ -9,7 +9,7 @@ from fractions import Fraction
 import pytest
 
 from tests.report.sections.common import page_of, sentence
-from tests.report.sections.reading import read
+from tests.report.sections.reading import lengths_in_formulas, read
 from tests.robots import of_gallery, of_text
 from wmrgen.geometry import notation
 from wmrgen.geometry.exact.number import Exact
@@ -114,7 +114,7 @@ def test_the_residual_is_that_of_forward(name: str) -> None:
         p.name: Fraction(3 * k * k - 5 * k + 7, 10) for k, p in enumerate(formula.inputs) if not p.default
     }
     twist = d.driven.evaluate("forward", {n: Exact(v) for n, v in values.items()})
-    known = {notation.parameter(p.name): float(p.nominal) for p in d.robot.parameters}
+    known = lengths_in_formulas(d.robot)
     known |= {notation.port(n): float(v) for n, v in (values | twist).items()}
     root = re.fullmatch(r"\\sqrt{(.*)}", told[0])
     value = read(root[1] if root else told[0], known)

@@ -17,7 +17,7 @@ from tests.report.sections.common import (
     page_written,
     sentence,
 )
-from tests.report.sections.reading import formulas, read
+from tests.report.sections.reading import formulas, lengths_in_formulas, read
 from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.models.inputs import posture_motion
@@ -88,7 +88,7 @@ def test_the_posture_model_in_wheel_speeds(name: str) -> None:
     twist = np.array([0.8, 0.5, -0.3])[: len(basis)] @ basis
     if robot.couplings:
         twist = np.array([0.8, 0.3, 0.0])
-    values = {r"\theta": theta} | {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
+    values = {r"\theta": theta} | lengths_in_formulas(robot)
     for w in robot.wheels:
         if not w.kind.directed or not w.has_spin or w.kind.swivels:
             continue
@@ -127,7 +127,7 @@ def test_trailers_turn_as_their_hitch_is_pulled() -> None:
     """Tzafestas (2.70), the hitch h behind the axle: L theta' = v sin(delta) - h omega cos(delta)."""
     text, robot = speeds("tractor_off_axle"), of_gallery("tractor_off_axle").robot
     (cart,) = robot.trailers
-    values = {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
+    values = lengths_in_formulas(robot)
     values |= {r"\theta_{\mathrm{cart}}": 0.3, r"\theta": 0.9, "v_x": 0.7, r"\omega": 0.2}
     shown = re.search(r"\\dot\{\\theta\}_\{\\mathrm\{cart\}\} &= (.*)", text)
     length, hitch = float(cart.length.nominal), float(cart.hitch.nominal)
@@ -147,7 +147,7 @@ def test_ackermann() -> None:
             n: (radius - float(w.nominal.y)) / float(w.nominal.x) for n, w in wheels.items() if w.kind.steers
         }
         assert cot["front_right"] - cot["front_left"] == pytest.approx(float(shown[1]))
-    assert r"\tan\psi &= \frac{\omega\,L}{v_x} = \frac{L}{R}, \qquad L = \mathit{wheelbase} = 2.5" in page
+    assert r"\tan\psi &= \frac{\omega\,L}{v_x} = \frac{L}{R}, \qquad L = 2.5" in page
     assert r"\tan\psi_{\mathrm{front}} &= \frac{\omega\,L}{v_x} = \frac{L}{R}" in page_of("bicycle")
     assert "Ackermann)" not in page_of("bicycle") and "Ackermann)" not in page_of("wpilib_swervebot")
 
@@ -170,7 +170,7 @@ def test_square_systems() -> None:
         rows = [[cos(h), sin(h), float(w.nominal.x) * sin(h) - float(w.nominal.y) * cos(h)]
                 for w in robot.wheels for h in [float(w.heading)]]  # fmt: skip
         shown = re.search(r"\\det H = (.*)", page)
-        values = {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
+        values = lengths_in_formulas(robot)
         assert shown and read(shown[1], values) == pytest.approx(np.linalg.det(np.array(rows)), rel=1e-5)
 
 
@@ -286,7 +286,7 @@ def test_a_wheelbase_that_is_a_sum_of_lengths() -> None:
     d = of_text(TRICYCLE)
     rates = {"front.spin": 3.0, "front.steer": 0.5, "right.spin": -2.0}
     values = {notation.port(n): v for n, v in rates.items()}
-    values |= {notation.parameter(p.name): float(p.nominal) for p in d.robot.parameters}
+    values |= lengths_in_formulas(d.robot)
     # Rows of the front wheel (turned into the robot's axes) and of both rear wheels.
     h = [[1, 0, 0], [0, 1, 1.05], [1, 0, 0.42], [0, 1, -0.3], [0, 1, -0.3]]
     twist = np.linalg.lstsq(np.array(h), np.array([0.6 * cos(0.5), 0.6 * sin(0.5), -0.36, 0, 0]), rcond=None)[

@@ -56,7 +56,7 @@ def test_parameters() -> None:
         "d_1": "d_{1}",
         "hx": "h_{x}",
         "half_track": r"\mathit{half\_track}",
-        "h": r"\mathtt{h}",
+        "h": "h",
         "L": r"\mathtt{L}",
         "gamma": r"\mathtt{gamma}",
         "v_x": r"\mathtt{v\_x}",

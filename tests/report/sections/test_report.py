@@ -61,7 +61,8 @@ def test_every_section_wheel_and_equation_number(name: str) -> None:
     for number in ("(3.24)", "(3.26)", "(3.40)", "(3.41)", "(3.42)"):
         assert number in page
     for parameter in robot.parameters:
-        assert f"`{parameter.name}` = " in page
+        symbol = f" ({parameter.symbol})" if parameter.symbol else ""
+        assert f"`{parameter.name}`{symbol} = " in page
 
 
 @pytest.mark.parametrize("name", ROBOTS)

@@ -20,11 +20,11 @@ from tests.report.sections.common import (
     part,
     sentence,
 )
-from tests.report.sections.reading import formulas, read
+from tests.report.sections.reading import formulas, lengths_in_formulas, read
 from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen.geometry import notation
 from wmrgen.geometry.exact.number import Exact
-from wmrgen.geometry.layout.records import Robot, Wheel
+from wmrgen.geometry.layout.records import Wheel
 
 AGREE = "forward.if_consistent"
 # Robots of which the twist is written out, not only the rule that gives it.
@@ -36,10 +36,6 @@ WRITTEN = (
     "textbook_tribolo", "textbook_tricycle", "textbook_two_spheres", "textbook_two_steer", "tractor_off_axle",
     "turtlebot3_burger", "unicycle", "wpilib_swervebot",
 )  # fmt: skip
-
-
-def parameters(robot: Robot) -> dict[str, float]:
-    return {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
 
 
 def place(w: Wheel) -> tuple[float, float, float]:
@@ -58,7 +54,7 @@ def test_whose_twist_is_written_out() -> None:
 def test_the_twist_of_measured_rates(name: str) -> None:
     """The least-squares twist (the smallest one where a direction is unseen) of rows written down here."""
     robot = of_gallery(name).robot
-    rows, rates, values = [], [], parameters(robot)
+    rows, rates, values = [], [], lengths_in_formulas(robot)
     for k, w in enumerate(robot.wheels):
         x, y, r = place(w)
         spin, steer = 0.7 - 0.4 * k, 0.3 + 0.2 * k
@@ -153,7 +149,7 @@ def test_the_joints_of_a_twist(name: str) -> None:
     if robot.couplings and name == "synchro_drive":
         twist[2] = 0.0
     vx, vy, omega = map(float, twist)
-    values = parameters(robot) | {"v_x": vx, "v_y": vy, r"\omega": omega}
+    values = lengths_in_formulas(robot) | {"v_x": vx, "v_y": vy, r"\omega": omega}
     values |= {rf"{n}^{{*}}": values[n] for n in ("v_x", "v_y", r"\omega")}
     values |= {notation.port(f"{w.name}.steer"): 0.4 for w in robot.wheels}
     text = part(name, "Inverse", "Forward")
@@ -296,7 +292,7 @@ def test_the_factors_as_numbers(name: str) -> None:
         r"```math\n(\\frac.*? (?:=|\\approx).*)\n```", part(name, "Forward", "An example")
     ):
         for equation in line.split(r", \qquad "):
-            sides = [read(side, parameters(robot)) for side in re.split(r" = | \\approx ", equation)]
+            sides = [read(side, lengths_in_formulas(robot)) for side in re.split(r" = | \\approx ", equation)]
             assert len(sides) > 1 and sides == pytest.approx([sides[0]] * len(sides), rel=1e-5)
 
 
@@ -310,7 +306,7 @@ def test_compatible_wheel_speeds(name: str) -> None:
     lines = [right for left, right in formulas(text) if left == "0"]
     assert told == bool(lines)
     d = of_gallery(name)
-    robot, values = d.robot, parameters(d.robot)
+    robot, values = d.robot, lengths_in_formulas(d.robot)
     if not lines:
         return
     vx, vy, omega = (float(v) for v in d.mobility.admissible.sample)

@@ -15,7 +15,7 @@ from tests.report.sections.common import (
     page_written,
     sentence,
 )
-from tests.report.sections.reading import formulas, read
+from tests.report.sections.reading import formulas, lengths_in_formulas, read
 from tests.robots import ROBOTS, of_gallery
 from wmrgen.geometry import notation
 from wmrgen.geometry.exact.number import Exact
@@ -38,7 +38,7 @@ def test_the_normal_matrix_is_that_of_h(name: str) -> None:
     page, robot = page_of(name).partition("## 7 ")[2], of_gallery(name).robot
     if "H = \\begin" not in page or "H^T H =" not in page:
         return
-    values = {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
+    values = lengths_in_formulas(robot)
     h, normal = printed(page, r"\qquad H", values), printed(page, "H^T H", values)
     assert normal == pytest.approx(h.T @ h, rel=1e-5, abs=1e-9)
 
@@ -50,7 +50,7 @@ INVERSES = {"H^{-1}": "H", "(H^T H)^{-1}": "H^T H", "(H^T H)^{-1} H^T": "H"}
 def test_inverses_are_inverses_of_the_matrices_as_printed(name: str) -> None:
     """A printed inverse times the printed matrix is 1; a number in front of a matrix counts."""
     page, robot = page_of(name).partition("\n## 7 ")[2].partition("\n## ")[0], of_gallery(name).robot
-    values = {notation.parameter(p.name): float(p.nominal) for p in robot.parameters}
+    values = lengths_in_formulas(robot)
     for head, of in INVERSES.items():
         factor = re.search(rf"(?<!\^){re.escape(head)} =\s*(\\frac{{1}}.*?)?\\begin", page)
         if factor is None:
@@ -190,7 +190,7 @@ def test_the_twist_of_eta_is_that_of_dynamics(name: str) -> None:
     inputs = [p.name for p in d.program.formula("dynamics").inputs]
     values = {n: 0.0 if n == "theta" else 0.2 + 0.3 * k for k, n in enumerate(inputs)}
     rates = d.evaluate("dynamics", {n: Exact(Fraction(v)) for n, v in values.items()})
-    known = {notation.parameter(p.name): float(p.nominal) for p in d.robot.parameters}
+    known = lengths_in_formulas(d.robot)
     known |= {notation.port(n): v for n, v in values.items()}
     for port, rate in (("vx", "x_rate"), ("vy", "y_rate"), ("omega", "theta_rate")):
         assert read(shown[notation.port(port)], known) == pytest.approx(

@@ -38,6 +38,9 @@ from wmrgen.geometry.layout.records import Robot, Wheel
 INDEPENDENT = 1e-3  # smallest singular value of unit rows that are clearly independent
 MOST_CANDIDATES = 16  # steered wheels that are combined in all ways: at most 560 combinations
 NEGLIGIBLE = 1e-9  # relative to the largest coefficient, or m/s: smaller values are rounding errors
+_CLEAR = (
+    0.5  # share of the largest singular value above which wheels are chosen by their place (jpl_osr: 0.88)
+)
 _ZERO, _ONE = Poly({}), Poly.of(1)
 IDENTITY: tuple[Row, ...] = ((_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE))
 
@@ -128,27 +131,44 @@ def led(robot: Robot, p: Poly) -> Poly:
     return p.substitute(value)
 
 
+class _Choice(NamedTuple):
+    """Rows that span C1, and how far the axles of their wheels are from one line."""
+
+    at_zero: float  # smallest singular value at angle zero
+    at_quarter: float  # and with every steered wheel turned by 90 degrees
+    forward: float  # sum of x of the steered wheels [m]
+    picked: list[int]  # indices of the rows
+
+
 def _chosen(rows: Array, head: int, steered: list[Wheel], at: Configuration) -> list[int]:
     """Return the indices of rows that span C1.
 
     These are all independent rows among the first ``head``, then rows of steered wheels, and rows of coupled spins only
     if the steered wheels do not suffice. The posture model is singular if the axles of the chosen wheels are on one
-    line. Among several choices the function therefore takes the wheels whose axles differ most at angle zero, then at
-    90 degrees.
+    line. Among several choices the function therefore keeps those whose axles differ clearly at angle zero, then at
+    90 degrees. Among these it takes the wheels that are farthest to the front, as textbooks do: jpl_osr steers all
+    corners, and its back wheels are a little farther from the fixed axle.
     """
     rank = at.rank.value
     constant = independent(rows[:head], min(rank, head))
     candidates = range(head, head + min(len(steered), MOST_CANDIDATES))
-    best: tuple[tuple[float, float], list[int]] | None = None
+    choices: list[_Choice] = []
     for group in combinations(candidates, rank - len(constant)):
         picked = [*constant, *group]
         if not picked or singular_values(rows[picked])[-1] < INDEPENDENT:
             continue
         wheels = [steered[i - head] for i in group]
-        score = _apart(rows[constant], wheels, 1), _apart(rows[constant], wheels, 1j)
-        if best is None or score > best[0]:
-            best = (score, picked)
-    return best[1] if best is not None else independent(rows, rank)
+        forward = sum(float(w.nominal.x) for w in wheels)
+        choices.append(
+            _Choice(_apart(rows[constant], wheels, 1), _apart(rows[constant], wheels, 1j), forward, picked)
+        )
+    if not choices:
+        return independent(rows, rank)
+    best = max(choices, key=lambda c: (c.at_zero, c.at_quarter))
+    clear = [
+        c for c in choices if c.at_zero >= _CLEAR * best.at_zero and c.at_quarter >= _CLEAR * best.at_quarter
+    ]
+    return max(clear, key=lambda c: round(c.forward, 6)).picked  # the first of equal ones
 
 
 def _apart(constant: Array, wheels: list[Wheel], turned: complex) -> float:

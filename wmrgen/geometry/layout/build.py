@@ -9,7 +9,8 @@ from itertools import combinations
 from math import atan2, hypot, pi, remainder
 from typing import Any, NamedTuple
 
-from wmrgen.errors import ErrorCollector, RobotFileError
+from wmrgen.errors import Code, ErrorCollector, RobotFileError
+from wmrgen.geometry import notation
 from wmrgen.geometry.exact.evaluate import cos_sin, fix, number, parameters_in, substituted
 from wmrgen.geometry.exact.linalg import mean
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
@@ -134,9 +135,23 @@ def _parameters(spec: RobotSpec, collector: ErrorCollector) -> tuple[Parameter, 
             nominal = number(symbolic, values)
             low, high = default_range(nominal) if p.tunable else (nominal, nominal)
             parameters.append(
-                Parameter(p.name, values[p.name], working[p.name], nominal, p.tunable, low, high)
+                Parameter(p.name, values[p.name], working[p.name], nominal, p.tunable, low, high, p.symbol)
             )
+    _check_distinct(spec.parameters, collector)
     return tuple(parameters)
+
+
+def _check_distinct(parameters: Sequence[ParameterSpec], collector: ErrorCollector) -> None:
+    """Collect an error for each symbol by which formulas show another parameter too."""
+    shown: dict[str, str] = {}
+    for p in sorted(parameters, key=lambda p: bool(p.symbol)):  # a name cannot give way, but a symbol can
+        own = notation.letter(p.symbol) if p.symbol else notation.parameter(p.name)
+        if p.symbol and own in shown:
+            collector.add(RobotFileError(
+                f"formulas show both {shown[own]} and {p.name} as {p.symbol}", p.value.mark,
+                "A reader could not tell them apart.", f"Give {p.name} another symbol.", code=Code.TWICE,
+            ))  # fmt: skip
+        shown.setdefault(own, p.name)
 
 
 def _with_ranges(

@@ -194,6 +194,7 @@ class Parameter(NamedTuple):
     tunable: bool
     low: Exact  # lower end of the range; the nominal value if the parameter is not tunable
     high: Exact  # upper end of the range
+    symbol: str = ""  # its letter in reports, with an index or not; "": as its name is written
 
 
 class Length(NamedTuple):
@@ -354,6 +355,11 @@ class Robot:
         """Return ``<Robot pioneer3dx: 2 fixed, 1 castor>``."""
         types = Counter(w.type for w in self.wheels)
         return f"<Robot {self.name}: {', '.join(f'{n} {name}' for name, n in types.items())}>"
+
+    @property
+    def symbols(self) -> dict[str, str]:
+        """The symbols that the robot file gives to parameters, for `notation.with_symbols`."""
+        return {p.name: p.symbol for p in self.parameters if p.symbol}
 
     @property
     def tunable(self) -> tuple[Parameter, ...]:

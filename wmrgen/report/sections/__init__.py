@@ -12,7 +12,7 @@ from wmrgen.report.sections import numerics, wiring
 from wmrgen.report.sections.example import steps_of, with_example
 from wmrgen.report.sections.forward import forward
 from wmrgen.report.sections.inverse import inverse
-from wmrgen.report.sections.markdown import citation, foot, page
+from wmrgen.report.sections.markdown import citation, foot, in_symbols, page
 from wmrgen.report.sections.mobility import analysis, singular, skid
 from wmrgen.report.sections.motion import motion, regular
 from wmrgen.report.sections.overview import layout, opening
@@ -26,6 +26,7 @@ _MOTION = (inverse, forward, motion)  # of the drive that models the robot, if i
 _WHOLE = (regular, singular, texts)
 
 
+@in_symbols
 def blocks_of(derivation: Derivation) -> list[str]:
     """Return the blocks of ``report.md``, with the keys of their sentences (`markdown.keys`)."""
     blocks, steps = [], steps_of(derivation)

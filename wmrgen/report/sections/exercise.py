@@ -20,6 +20,7 @@ from wmrgen.report.sections.example import product_of, value_at
 from wmrgen.report.sections.markdown import (
     aligned,
     code,
+    in_symbols,
     items,
     keyed,
     listed,
@@ -94,6 +95,7 @@ class _Sheet(NamedTuple):
         return blocks if self.solved else [BLANK]
 
 
+@in_symbols
 def exercise(d: Derivation, seed: int, solved: bool) -> list[str]:
     """Return the blocks of the exercise.
 

@@ -209,10 +209,11 @@ def _nearer(shift: str) -> list[str]:
     """Write the choice of the nearer heading. ``shift``: the part of the rim speed from a lateral offset."""
     return [
         "**The nearer heading.** The wheel rolls at two headings, which are half a turn apart. At the present angle ψ, "
-        "v<sub>A</sub> has a component u along the wheel and w across it; h is the heading of the wheel at ψ = 0. The "
-        "wheel takes the nearer heading, at most 90° away, and drives backwards if u < 0:",
+        "v<sub>A</sub> has a component u along the wheel and w across it; ψ<sub>0</sub> is the heading of the wheel at "
+        "ψ = 0. The wheel takes the nearer heading, at most 90° away, and drives backwards if u < 0:",
         *aligned([
-            r"u &= v_{Ax}\cos(h+\psi) + v_{Ay}\sin(h+\psi), & w &= v_{Ay}\cos(h+\psi) - v_{Ax}\sin(h+\psi)",
+            r"u &= v_{Ax}\cos(\psi_0+\psi) + v_{Ay}\sin(\psi_0+\psi), & "
+            r"w &= v_{Ay}\cos(\psi_0+\psi) - v_{Ax}\sin(\psi_0+\psi)",
             rf"\Delta &= \mathrm{{atan2}}\left(\pm w, |u|\right), & \psi^{{+}} &= \psi + \Delta, \qquad "
             rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{v_{{Ax}}^2+v_{{Ay}}^2}}{shift}}}{{r}}, \qquad "
             r"\pm = \begin{cases} - & u < 0 \\ + & u \ge 0 \end{cases}",
@@ -239,10 +240,10 @@ def _narrow(ranges: str, shift: str) -> list[str]:
     return [
         f"**Limits.** Steering is limited to less than a quarter turn: {ranges}. At most one of the two headings that "
         "roll is within the limits, and the wheel takes the angle at which it slides least. The limits are m ± ρ. At "
-        "the middle m, the velocity v<sub>A</sub> is p along the wheel and q across it; h is the heading at ψ = 0. If "
-        "p = q = 0, the wheel keeps its angle:",
+        "the middle m, the velocity v<sub>A</sub> is p along the wheel and q across it; ψ<sub>0</sub> is its heading "
+        "at ψ = 0. If p = q = 0, the wheel keeps its angle:",
         *aligned([
-            r"p &= v_{Ax}\cos(h+m) + v_{Ay}\sin(h+m), & q &= v_{Ay}\cos(h+m) - v_{Ax}\sin(h+m)",
+            r"p &= v_{Ax}\cos(\psi_0+m) + v_{Ay}\sin(\psi_0+m), & q &= v_{Ay}\cos(\psi_0+m) - v_{Ax}\sin(\psi_0+m)",
             r"t &= \min\left(\max\left(\frac{q}{p}, -\tan\rho\right), \tan\rho\right), & "
             r"\psi^{+} &= m + \arctan t, & "
             rf"\dot{{\varphi}} &= \frac{{p + q\,t}}{{r\,\sqrt{{1+t^2}}}}{offset}",
@@ -626,7 +627,7 @@ class _Letters(NamedTuple):
 def _letters(wheels: list[Wheel]) -> _Letters:
     views = [working_view(w) for w in wheels]
     return _Letters(
-        r"\left(h+\psi\right)" if any(w.heading for w in wheels) else r"\psi",
+        r"\left(\psi_0+\psi\right)" if any(w.heading for w in wheels) else r"\psi",
         _common_length([g.r for g in views], "r"),
         _common_length([g.d for g in views], "d"),
         _common_length([g.o for g in views], "o"),
@@ -706,7 +707,7 @@ def _words_on_pivots(wheels: list[Wheel], tied: bool) -> str:
     noun = "driven castor" if castors else "steered wheel"
     who = f"Each {noun}" if len(wheels) > 1 else f"The {noun} {code(wheels[0].name)}"
     alone = "without couplings, " if tied else ""
-    zero = ". h is its heading at ψ = 0" if turned else ""
+    zero = ". ψ<sub>0</sub> is its heading at ψ = 0" if turned else ""
     instead = ". Section 6 says how couplings change this" if tied else ""
     velocity = "the velocity (v<sub>Ax</sub>, v<sub>Ay</sub>) of its pivot A"
     key = f"closed.{'castors' if castors else 'steered_wheels'}{'_without_couplings' if tied else ''}"

@@ -7,10 +7,12 @@ Sentences that tests look for have a key (`keyed`), which `page` removes.
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import wraps
 from itertools import pairwise
 from math import degrees
-from typing import SupportsFloat
+from typing import Concatenate, ParamSpec, SupportsFloat
 
 from wmrgen.codegen.registry import BACKENDS, Facts
 from wmrgen.derivation.facade import Derivation
@@ -30,6 +32,21 @@ _NEGATIVE = re.compile(r"(?<![\w.)])-(?=\d)")
 _CODE = re.compile(r"(\\`.*?\\`|\b[A-Za-z](?:\\_|\w)*\.(?:spin|speed|steer(?:\\_rate)?)\b)")  # escaped
 _ETA = re.compile(r"\beta(\d)\b")
 _INDEX = re.compile(r"\b(delta|rank C1|C1|J1|J2)(\\_)?(m|s|M|f)?\b")
+
+
+_Rest = ParamSpec("_Rest")
+_Writer = Callable[Concatenate[Derivation, _Rest], list[str]]
+
+
+def in_symbols(write: _Writer[_Rest]) -> _Writer[_Rest]:
+    """Make a function write the formulas of a derivation with the symbols that the robot file gives to parameters."""
+
+    @wraps(write)
+    def written(d: Derivation, /, *rest: _Rest.args, **named: _Rest.kwargs) -> list[str]:
+        with notation.with_symbols(d.robot.symbols):
+            return write(d, *rest, **named)
+
+    return written
 
 
 def page(blocks: Iterable[str]) -> str:
@@ -92,6 +109,14 @@ def pictures(figures: Mapping[str, tuple[str, str]], *files: str) -> list[str]:
     """Return the images of those ``files`` that are among the figures, side by side on a wide page."""
     lines = [f"![{escape(figures[file][0])}]({file})" for file in files if file in figures]
     return ["\n".join(lines)] if lines else []
+
+
+def letter_in_text(symbol: str) -> str:
+    """Return the symbol of a parameter for text: ``l_x`` with its index lowered, ``lambda`` as the Greek letter."""
+    head, _, index = symbol.partition("_")
+    unicode_name = head.upper().replace("LAMBDA", "LAMDA")  # Unicode's spelling
+    letter = head if len(head) == 1 else unicodedata.lookup(f"GREEK SMALL LETTER {unicode_name}")
+    return f"{letter}<sub>{index}</sub>" if index else letter
 
 
 def code(name: str) -> str:

@@ -118,8 +118,8 @@ def _towing(d: Derivation) -> list[str]:
     blocks = [
         keyed(
             "motion.trailers",
-            "**Trailers.** The coupling of a trailer moves at V, and the trailer turns at θ̇<sub>i</sub>. Its axle, L "
-            "behind the coupling, moves at V − L<sub>i</sub> θ̇<sub>i</sub> n<sub>i</sub>, with "
+            "**Trailers.** The coupling of a trailer moves at V, and the trailer turns at θ̇<sub>i</sub>. Its axle, "
+            "L<sub>i</sub> behind the coupling, moves at V − L<sub>i</sub> θ̇<sub>i</sub> n<sub>i</sub>, with "
             "t<sub>i</sub> = (cos θ<sub>i</sub>, sin θ<sub>i</sub>) and n<sub>i</sub> = ẑ × t<sub>i</sub>. The axle "
             "does not slide along n<sub>i</sub>, and follows along t<sub>i</sub> at v<sub>i</sub>:",
         ),

@@ -27,6 +27,7 @@ from wmrgen.report.sections.markdown import (
     capitalised,
     code,
     foot,
+    in_symbols,
     items,
     keyed,
     listed,
@@ -45,6 +46,7 @@ _GIVES = {
 }  # fmt: skip
 
 
+@in_symbols
 def numerics(d: Derivation, facts: Facts) -> list[str]:
     """Return the blocks of the page."""
     name = d.robot.name

@@ -21,6 +21,7 @@ from wmrgen.report.sections.markdown import (
     in_degrees,
     items,
     keyed,
+    letter_in_text,
     listed,
     minus,
     pictures,
@@ -39,7 +40,8 @@ _BESIDE_STEERED = (
     " In a curve its fixed wheels skid. The robot moves like one with its fixed wheels on a single axle, the effective "
     "track apart, of type ({m}, {s})."
 )
-_LENGTHS = ("d", "l", "r")  # letters of the book for lengths of wheels
+# Letters of the book for lengths and angles of wheels, as LaTeX and as HTML.
+_OF_WHEELS = {"d": "d", "l": "l", "r": "r", r"\alpha": "α", r"\beta": "β", r"\gamma": "γ"}
 _NUMBERS = "no one two three four five six seven eight nine ten eleven twelve".split()
 
 
@@ -105,7 +107,7 @@ def layout(d: Derivation) -> list[str]:
         _legend(robot),
     ]
     if robot.parameters:
-        named = grouped((_in_code(p), f"{code(p.name)} = {plain(p.nominal)}") for p in robot.parameters)
+        named = grouped((_in_code(p), f"{_named(p)} = {plain(p.nominal)}") for p in robot.parameters)
         texts = [f"{notation.listed(who)}, {what}" for what, who in named.items()]
         blocks += [" ".join([f"Named parameters: {'; '.join(texts)}.", *_letters(robot)])]
     if robot.couplings:
@@ -123,22 +125,33 @@ def layout(d: Derivation) -> list[str]:
     return [*blocks, *items(notes)]
 
 
+def _named(p: Parameter) -> str:
+    """Return the name of a parameter, with its symbol in formulas if it has one."""
+    return f"{code(p.name)} ({letter_in_text(p.symbol)})" if p.symbol else code(p.name)
+
+
 def _letters(robot: Robot) -> list[str]:
     """Say which letters in formulas are parameters although they look like lengths of wheels or other symbols."""
-    names = [p.name for p in robot.parameters]
-    sentences = []
-    if own := [name for name in names if name in _LENGTHS and not _is_length(robot, name)]:
-        these, lengths = (
-            ("are these parameters", "are lengths") if len(own) > 1 else ("is this parameter", "is a length")
+    sentences, own = [], []
+    for p in robot.parameters:
+        shown = notation.parameter(p.name)
+        if shown in _OF_WHEELS and not _is_length(robot, p.name, shown):
+            own.append(_OF_WHEELS[shown])
+    if own:
+        these, quantities = (
+            ("are these parameters", "are quantities")
+            if len(own) > 1
+            else ("is this parameter", "is a quantity")
         )
         sentences.append(
             keyed(
                 "layout.letters_of_parameters",
-                f"In formulas of this robot, {listed(own)} {these}. In general equations of a wheel, as in the book, "
-                f"{notation.listed(own)} {lengths} of the table above.",
+                f"In formulas of this robot, {listed(own)} {these}. In general equations of a wheel, as in "
+                f"the book, {notation.listed(own)} {quantities} of the table above.",
             )
         )
-    if marked := [name for name in names if notation.parameter(name).startswith(r"\mathtt")]:
+    marked = [p.name for p in robot.parameters if notation.parameter(p.name).startswith(r"\mathtt")]
+    if marked:
         parameters = "parameters" if len(marked) > 1 else "a parameter"
         sentences.append(
             keyed("layout.typewriter", f"Typewriter type marks {listed(marked)} in formulas as {parameters}.")
@@ -146,15 +159,18 @@ def _letters(robot: Robot) -> list[str]:
     return sentences
 
 
-def _is_length(robot: Robot, name: str) -> bool:
-    """Return whether the parameter r, d or l is, wherever it is used, the radius, castor offset or distance from P."""
+def _is_length(robot: Robot, name: str, letter: str) -> bool:
+    """Return whether the parameter ``name`` is, wherever it is used, what the ``letter`` means for a wheel.
+
+    r is a radius, d the offset of a castor and l a distance from P. Angles are not examined: the result is False.
+    """
     parameter = Poly.gen("param", name)
     towed = (length for trailer in robot.trailers for length in (trailer.length, trailer.hitch))
     others = [length.symbolic for length in (*towed, robot.effective_track) if length]
     for w in robot.wheels:
         g = w.symbolic
         own = {"r": g.r - parameter, "d": g.d - parameter, "l": g.x * g.x + g.y * g.y - parameter * parameter}
-        others += (g.x, g.y, g.r, g.d, g.o, g.r_sw) if own[name] else ()
+        others += (g.x, g.y, g.r, g.d, g.o, g.r_sw) if own.get(letter, parameter) else ()
     return not any(name in parameters_in(p) for p in others)
 
 

@@ -183,12 +183,15 @@ def turning_circle(robot: Robot) -> list[str]:
     )
     psi_r, psi_l = (notation.port(f"{w.name}.steer") for w in (right, left))
     base, track = left.nominal.x, left.nominal.y - right.nominal.y
-    length = " = ".join(dict.fromkeys(["L", latex(symbolic_view(left).x), plain(base)]))
-    radius = rf"&= \frac{{\omega\,L}}{{v_x}} = \frac{{L}}{{R}}, \qquad {length}"
+    written = latex(symbolic_view(left).x)
+    taken = written != "L" and any(notation.parameter(p.name) == "L" for p in robot.parameters)
+    letter, in_text = ("x_A", "x<sub>A</sub>") if taken else ("L", "L")
+    length = " = ".join(dict.fromkeys([letter, written, plain(base)]))
+    radius = rf"&= \frac{{\omega\,{letter}}}{{v_x}} = \frac{{{letter}}}{{R}}, \qquad {length}"
     words = "P moves on a circle of radius R, to the left if R > 0, with v<sub>x</sub> = ω R."
     behind = ""
     if base.sign < 0:
-        behind = keyed("car.steers_behind", " L is negative, because the steered wheel is behind P.")
+        behind = keyed("car.steers_behind", f" {in_text} is negative, because the steered wheel is behind P.")
     if len(steered) == 1:
         return [f"{words}{behind}", *aligned([rf"\tan{psi_l} {radius}"])]
     named = (symbolic_view(left).y - symbolic_view(right).y) * symbolic_view(left).x.inverse()

@@ -26,7 +26,7 @@ from wmrgen.geometry.symbolic import expression
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import count
 from wmrgen.report.figures.reach import largest_factor
-from wmrgen.robotfile.records import Num, ParameterSpec, Quantity, RobotSpec
+from wmrgen.robotfile.records import Num, Quantity, RobotSpec
 from wmrgen.robotfile.text import MAX_BYTES, bytes_of, suggestion
 
 GRAVITY = Exact(Fraction("9.80665"))  # standard gravity [m/s^2]
@@ -91,7 +91,7 @@ def varied(spec: RobotSpec, values: Mapping[str, Fraction]) -> RobotSpec:
         if p.name in values:
             value = values[p.name]
             mark = Mark(p.value.mark.file, p.value.mark.line, p.value.mark.column, "")
-            p = ParameterSpec(p.name, Quantity(Num(value), f"{float(value):.12g}", mark), p.tunable)
+            p = p._replace(value=Quantity(Num(value), f"{float(value):.12g}", mark), range=None)
         parameters.append(p)
     return replace(spec, parameters=tuple(parameters))
 

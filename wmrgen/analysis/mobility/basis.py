@@ -136,7 +136,7 @@ class _Choice(NamedTuple):
 
     at_zero: float  # smallest singular value at angle zero
     at_quarter: float  # and with every steered wheel turned by 90 degrees
-    forward: float  # sum of x of the steered wheels [m]
+    ahead: int  # number of its wheels that are ahead of P
     picked: list[int]  # indices of the rows
 
 
@@ -146,8 +146,8 @@ def _chosen(rows: Array, head: int, steered: list[Wheel], at: Configuration) -> 
     These are all independent rows among the first ``head``, then rows of steered wheels, and rows of coupled spins only
     if the steered wheels do not suffice. The posture model is singular if the axles of the chosen wheels are on one
     line. Among several choices the function therefore keeps those whose axles differ clearly at angle zero, then at
-    90 degrees. Among these it takes the wheels that are farthest to the front, as textbooks do: jpl_osr steers all
-    corners, and its back wheels are a little farther from the fixed axle.
+    90 degrees. Among these it takes the one with most wheels ahead of P, as textbooks do: jpl_osr steers all corners,
+    and its back wheels are a little farther from the fixed axle.
     """
     rank = at.rank.value
     constant = independent(rows[:head], min(rank, head))
@@ -158,9 +158,9 @@ def _chosen(rows: Array, head: int, steered: list[Wheel], at: Configuration) -> 
         if not picked or singular_values(rows[picked])[-1] < INDEPENDENT:
             continue
         wheels = [steered[i - head] for i in group]
-        forward = sum(float(w.nominal.x) for w in wheels)
+        ahead = sum(w.nominal.x.sign > 0 for w in wheels)
         choices.append(
-            _Choice(_apart(rows[constant], wheels, 1), _apart(rows[constant], wheels, 1j), forward, picked)
+            _Choice(_apart(rows[constant], wheels, 1), _apart(rows[constant], wheels, 1j), ahead, picked)
         )
     if not choices:
         return independent(rows, rank)
@@ -168,7 +168,7 @@ def _chosen(rows: Array, head: int, steered: list[Wheel], at: Configuration) -> 
     clear = [
         c for c in choices if c.at_zero >= _CLEAR * best.at_zero and c.at_quarter >= _CLEAR * best.at_quarter
     ]
-    return max(clear, key=lambda c: round(c.forward, 6)).picked  # the first of equal ones
+    return max(clear, key=lambda c: c.ahead).picked  # the first of equal ones
 
 
 def _apart(constant: Array, wheels: list[Wheel], turned: complex) -> float:

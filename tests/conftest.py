@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 from typer.testing import CliRunner
 
 from tests.depth import DEEP, mark_slow
@@ -18,6 +19,10 @@ from wmrgen.codegen import compiler
 
 # Fifteen thousand tests are a large heap: looking through it for garbage every 700 objects takes a tenth of the time.
 gc.set_threshold(100_000)
+
+# No test fails for its time. The other settings stay those of hypothesis, which differ in CI.
+settings.register_profile("untimed", parent=settings.default, deadline=None)
+settings.load_profile("untimed")
 
 ROOT = Path(__file__).resolve().parent.parent
 GALLERY = tuple(sorted((ROOT / "robots").glob("*.yaml")))

@@ -55,7 +55,6 @@ def robots(draw: st.DrawFn) -> str:
 
 @settings(
     max_examples=examples(120, share=15),  # each is a process
-    deadline=None,
     suppress_health_check=list(HealthCheck),
     derandomize=True,
     database=None,

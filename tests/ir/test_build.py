@@ -102,7 +102,7 @@ def test_powers_multiply_few_times(b: Builder) -> None:
 
 
 @given(functions())
-@settings(max_examples=examples(150), deadline=None)
+@settings(max_examples=examples(150))
 def test_canonical_form_keeps_every_value(f) -> None:
     builder, again = Builder(), []
     for node in f.nodes:

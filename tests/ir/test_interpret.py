@@ -138,7 +138,7 @@ def test_module_prepares_from_defaults() -> None:
 
 
 @given(functions(size=12), st.lists(st.fractions(-3, 3, max_denominator=50), min_size=5, max_size=5))
-@settings(max_examples=examples(60), deadline=None)
+@settings(max_examples=examples(60))
 def test_floats_stay_near_the_exact_value(f: Function, point: list[Fraction]) -> None:
     """On functions without comparisons, whose jumps floats may see elsewhere."""
     if any(node.op in (Op.SELECT, Op.ATAN2) for node in f.nodes):

@@ -132,7 +132,7 @@ def matrices(draw: st.DrawFn) -> Matrix:
 
 
 @given(matrices())
-@settings(max_examples=examples(150), deadline=None)
+@settings(max_examples=examples(150))
 def test_programs_are_exact_and_no_worse_than_the_product(matrix: Matrix) -> None:
     cost = count(program(matrix))
     terms = [sum(1 for value in row if value) for row in matrix]
@@ -141,7 +141,7 @@ def test_programs_are_exact_and_no_worse_than_the_product(matrix: Matrix) -> Non
 
 
 @given(matrices())
-@settings(max_examples=examples(50), deadline=None)
+@settings(max_examples=examples(50))
 def test_proportional_rows_are_computed_once(matrix: Matrix) -> None:
     single = count(program(matrix))
     double = count(program([*matrix, [-2 * value for value in matrix[0]]]))

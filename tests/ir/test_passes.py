@@ -21,13 +21,13 @@ from wmrgen.ir.verify import PassError, points, verify_module
 
 @pytest.mark.parametrize("step", [*BEFORE_HOIST, *AFTER_HOIST], ids=lambda step: step.__name__)
 @given(f=functions())
-@settings(max_examples=examples(100), deadline=None)
+@settings(max_examples=examples(100))
 def test_a_pass_keeps_every_value(step, f: Function) -> None:
     verify_function(f, step(f), step.__name__, 3)
 
 
 @given(functions(kinds=RING, size=40))
-@settings(max_examples=examples(100), deadline=None)
+@settings(max_examples=examples(100))
 def test_polynomials_keep_their_values_in_plain_exact_arithmetic(f: Function) -> None:
     module = optimise((f,), "m")
     for point in points(f, 3):
@@ -38,7 +38,7 @@ def test_polynomials_keep_their_values_in_plain_exact_arithmetic(f: Function) ->
 
 
 @given(functions(), functions())
-@settings(max_examples=examples(100), deadline=None)
+@settings(max_examples=examples(100))
 def test_the_pipeline_keeps_every_value_and_reads_no_geometry(f: Function, g: Function) -> None:
     g = Function("g", g.inputs, g.nodes, g.outputs, g.results)
     module = optimised((f, g), "m")
@@ -60,7 +60,7 @@ def _reads_input(function: Function, i: int) -> bool:
 
 
 @given(functions())
-@settings(max_examples=examples(50), deadline=None)
+@settings(max_examples=examples(50))
 def test_the_pipeline_is_repeatable(f: Function) -> None:
     assert optimise((f,), "m") == optimise((f,), "m")
 
@@ -254,7 +254,7 @@ def test_unguarded_divisors_are_reported(name: str) -> None:
 
 
 @given(functions())
-@settings(max_examples=examples(100), deadline=None)
+@settings(max_examples=examples(100))
 def test_functions_without_findings_are_defined(f: Function) -> None:
     if not findings(f):
         for point in points(f, 3):
@@ -263,7 +263,7 @@ def test_functions_without_findings_are_defined(f: Function) -> None:
 
 
 @given(functions())
-@settings(max_examples=examples(60), deadline=None)
+@settings(max_examples=examples(60))
 def test_optimised_floats_agree_with_the_exact_value(f: Function) -> None:
     if any(node.op in (Op.SELECT, Op.ATAN2, Op.AT_LEAST, Op.WITH_SIGN_OF) for node in f.nodes):
         return

@@ -30,7 +30,7 @@ NAMES = [p.stem for p in ROBOTS]
 def law(examples: int) -> settings:
     """Settings of a law on random layouts: the same layouts in every run, unless WMRGEN_EXPLORE asks for more."""
     return settings(
-        deadline=None, derandomize=not EXPLORE, database=None, max_examples=drawn(examples) * max(EXPLORE, 1),
+        derandomize=not EXPLORE, database=None, max_examples=drawn(examples) * max(EXPLORE, 1),
         suppress_health_check=[HealthCheck.too_slow],
     )  # fmt: skip
 

@@ -17,9 +17,7 @@ from wmrgen.errors import RobotFileError
 from wmrgen.robotfile.load import read_text
 from wmrgen.robotfile.records import RobotSpec
 
-QUICK = settings(
-    max_examples=examples(200), deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
-)
+QUICK = settings(max_examples=examples(200), suppress_health_check=[HealthCheck.too_slow], derandomize=True)
 SOURCE = robot(
     wheel("a", "steered", limits="{steer: [-95 deg, 95 deg]}"),
     wheel("b", "swedish", gamma="pi/4"),

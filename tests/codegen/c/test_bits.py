@@ -111,7 +111,7 @@ def random_layouts(tmp_path_factory: pytest.TempPathFactory) -> tuple[Module, ..
     folder = tmp_path_factory.mktemp("layouts")
     found: list[Module] = []
 
-    @settings(max_examples=12, derandomize=True, database=None, deadline=None, phases=[Phase.generate])
+    @settings(max_examples=12, derandomize=True, database=None, phases=[Phase.generate])
     @given(layouts())
     def collect(layout: Layout) -> None:
         name = f"random{len(found)}"

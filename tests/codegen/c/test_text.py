@@ -97,7 +97,7 @@ def test_a_constant_that_float_cannot_hold_is_an_error(value: Fraction) -> None:
     assert literal(Exact(value), "double")
 
 
-@settings(max_examples=examples(100), deadline=None)
+@settings(max_examples=examples(100))
 @given(st.text())
 def test_no_text_can_end_a_comment(text: str) -> None:
     plain = comment_text(text)

@@ -234,7 +234,7 @@ def grid(low: Fraction, high: Fraction, count: int = 20) -> Iterator[Fraction]:
     return (low + (high - low) * k / count for k in range(count + 1))
 
 
-@settings(max_examples=examples(120), deadline=None)
+@settings(max_examples=examples(120))
 @given(st.recursive(_LEAVES, _grown, max_leaves=6))
 def test_verdicts_are_those_of_dense_sampling(text: str) -> None:
     """c = a - b/2 is 0 nominally. A file with a wrong point on the grid is rejected, and a rejected file is wrong near

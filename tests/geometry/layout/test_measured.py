@@ -278,7 +278,7 @@ def test_the_span_of_a_chain_of_axles_is_reported(places: tuple[float, ...]) -> 
     assert len(set(re.findall(r"`(w\d)`", first.text))) >= 3
 
 
-@settings(max_examples=examples(60), deadline=None)
+@settings(max_examples=examples(60))
 @given(
     st.lists(st.integers(0, 60), min_size=2, max_size=6),
     st.booleans(),

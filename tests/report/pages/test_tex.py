@@ -29,8 +29,8 @@ def test_it_has_the_formulas_and_headings_of_the_report(name: str) -> None:
     words = re.sub(r"\\\[.*?\\\]", "", text, flags=re.DOTALL)
     assert words.count(r"\subsection*{") == len(re.findall(r"(?m)^## ", page))
     assert words.count(r"\begin{quote}") == len(re.findall(r"(?m)^> \*\*", page))
-    assert words.count(r"\includesvg") == page.count("![")
-    for environment in ("quote", "tabular", "itemize", "enumerate", "adjustbox"):
+    assert words.count(r"\drawing{") == page.count("![")
+    for environment in ("quote", "tabular", "itemize", "enumerate", "widetable"):
         assert words.count(rf"\begin{{{environment}}}") == words.count(rf"\end{{{environment}}}")
     plain = re.sub(r"\\[&%$#_{}]", "", words)
     assert plain.count("{") == plain.count("}") and not re.search(r"[#$^~%]|<", plain)

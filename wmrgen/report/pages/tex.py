@@ -1,6 +1,7 @@
 """Write the report as LaTeX, for theses and papers: the same text and formulas as report.md.
 
-The document is for lualatex or xelatex, because its sentences have Greek letters.
+The document is for lualatex or xelatex, because its sentences have Greek letters. It uses a figure as PDF if there is
+one, else as SVG if the package svg is installed, else it names the file, so that it compiles in any case.
 """
 
 from __future__ import annotations
@@ -13,15 +14,24 @@ from wmrgen.report.pages.document import tokens
 
 Token = Any  # of markdown-it
 _HEAD = r"""\documentclass[a4paper,10pt]{article}
-% For lualatex or xelatex. Figures: the .svg files beside this one, by the package svg (with Inkscape), or as PDF.
+% For lualatex or xelatex, with the fonts DejaVu (Debian: fonts-dejavu-core).
+% Figures: convert the .svg files next to this file to PDF, for example by
+%   for f in *.svg; do rsvg-convert -f pdf -o ${f%.svg}.pdf $f; done
+% Without these, the package svg converts them if you run lualatex --shell-escape and have Inkscape.
 \usepackage[margin=20mm]{geometry}
-\usepackage{fontspec,amsmath,graphicx,svg,adjustbox,hyperref}
+\usepackage{fontspec,amsmath,graphicx,hyperref}
+\IfFileExists{svg.sty}{\usepackage{svg}}{\newcommand\includesvg[2][]{\fbox{\texttt{\detokenize{#2}.svg}}}}
+\newcommand\drawing[1]{\IfFileExists{#1.pdf}%
+  {\includegraphics[width=0.48\linewidth,height=0.4\textheight,keepaspectratio]{#1.pdf}}%
+  {\includesvg[width=0.48\linewidth]{#1}}}
 \setmainfont{DejaVu Serif}
 \setmonofont{DejaVu Sans Mono}
 \setlength\parindent{0pt}
 \setlength\parskip{4pt}
 \newcommand\fitted[1]{\setbox0\hbox{$\displaystyle#1$}%
   \ifdim\wd0>\linewidth\resizebox{\linewidth}{!}{\box0}\else\box0\fi}
+\newenvironment{widetable}{\par\setbox0\hbox\bgroup\footnotesize}%
+  {\egroup\noindent\ifdim\wd0>\linewidth\resizebox{\linewidth}{!}{\box0}\else\box0\fi\par}
 \sloppy
 \begin{document}
 """
@@ -72,9 +82,9 @@ def _blocks(every: Sequence[Token]) -> Iterator[str]:
         elif token.type == "heading_open":
             yield _HEADINGS.get(token.tag, _HEADINGS["h3"])
         elif token.type == "table_open":
-            yield f"\\begin{{adjustbox}}{{max width=\\linewidth}}\n\\begin{{tabular}}{{{_columns(every[k:])}}}\n"
+            yield f"\\begin{{widetable}}\n\\begin{{tabular}}{{{_columns(every[k:])}}}\n"
         elif token.type == "table_close":
-            yield "\\end{tabular}\n\\end{adjustbox}\n\n"
+            yield "\\end{tabular}\n\\end{widetable}\n\n"
         elif token.type in ("th_open", "td_open"):
             yield " & " if column else ""
             column += 1
@@ -112,7 +122,7 @@ def _inline(token: Token) -> str:
         return _RAW.get(token.content, escaped(token.content))
     if token.type == "image":
         name = PurePosixPath(str(token.attrs["src"])).stem
-        return rf"\includesvg[width=0.48\linewidth]{{{name}}}"
+        return rf"\drawing{{{name}}}"
     if token.type == "link_open":
         return rf"\href{{{escaped(str(token.attrs['href']))}}}{{"
     return _AROUND.get(token.type, escaped(token.content))

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from math import cos, prod, sin
+from collections.abc import Callable, Mapping, Sequence
+from math import atan2, cos, pi, prod, sin, sqrt, tan
 from typing import NamedTuple
 
 from wmrgen.derivation.facade import Derivation
-from wmrgen.geometry.exact.poly import Poly, Row
+from wmrgen.geometry.exact.poly import Gen, Poly, Row
 from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.report.sections.result import example
 
 ZERO = 1e-9  # rounding errors of factors and speeds that are 0
+_OF_JOINTS = {"cos": cos, "sin": sin}
+_OF_NUMBERS: Mapping[str, Callable[..., float]] = {
+    "pi": lambda: pi, "sqrt": sqrt, "tan": tan, "atan2": atan2, "cosf": cos, "sinf": sin,
+    "inv": lambda v: 1 / v, "free": lambda v: v,
+}  # fmt: skip
 Numbers = Mapping[str, float]
 
 
@@ -45,18 +50,21 @@ def vector(*values: float) -> str:
 
 
 def value_at(p: Poly, values: Numbers) -> float:
-    """Return the value of a polynomial in parameters, joints and inputs. KeyError if it has other generators."""
+    """Return the value of a polynomial in parameters, joints and inputs. KeyError if one of these has no value."""
     total = 0.0
     for monomial, number in p.terms.items():
-        total += float(number) * prod(_generator(g.kind, g.name, values) ** e for g, e in monomial)
+        total += float(number) * prod(_generator(g, values) ** e for g, e in monomial)
     return total
 
 
-def _generator(kind: str, name: str, values: Numbers) -> float:
-    functions = {"cos": cos, "sin": sin}
-    if kind in functions:
-        return functions[kind](values.get(f"{name}.steer", 0.0))  # a castor that is not measured points ahead
-    return values[f"param {name}"] if kind == "param" else values[name]
+def _generator(g: Gen, values: Numbers) -> float:
+    if g.kind in _OF_JOINTS:
+        return _OF_JOINTS[g.kind](
+            values.get(f"{g.name}.steer", 0.0)
+        )  # a castor that is not measured points ahead
+    if g.kind in _OF_NUMBERS:
+        return _OF_NUMBERS[g.kind](*(value_at(a, values) for a in g.args))
+    return values[f"param {g.name}"] if g.kind == "param" else values[g.name]
 
 
 def product_of(row: Row, values: Numbers) -> tuple[str, float]:

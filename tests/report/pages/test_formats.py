@@ -121,7 +121,7 @@ def test_a_tex_prints_where_no_browser_is(
 
 def test_what_pandoc_gives_to_a_tex() -> None:
     """Formulas no wider than the page, indices, pictures one below the other, tables that break their lines; what
-    stands in a robot file is text. A TeX would take CI too long to install."""
+    stands in a robot file is text."""
     report = (ROOT / "generated" / "car_with_trailers" / "report.md").read_text(encoding="utf-8")
     hostile = "\n\n" + escape(r"\input{/etc/passwd} $x$ <b>") + "\n"
     command = [tool("pandoc"), "--from=gfm", f"--lua-filter={ROOT}/templates/paper/paper.lua", "--to=latex"]
@@ -135,6 +135,18 @@ def test_what_pandoc_gives_to_a_tex() -> None:
     assert re.search(r"\\includegraphics\{layout.svg\}\n\n\\includegraphics\{motion.svg\}\n\n", text)
     assert text.count(r"\begin{longtable}") == 3 and text.count(r">{\raggedright") == 2 + 3
     assert r"\href" not in text and r"\textbackslash input\{/etc/passwd\} \$x\$ \textless b" in text
+
+
+@pytest.mark.slow
+def test_pandoc_and_tex_print_a_report(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("pandoc", "lualatex", "rsvg-convert"):
+        tool(name)
+    monkeypatch.setattr("wmrgen.codegen.compiler._BROWSERS", ())
+    folder = ROOT / "generated" / "car_with_trailers"
+    files = {p.name: p.read_text(encoding="utf-8") for p in folder.iterdir() if p.suffix in (".md", ".svg")}
+    files["paper.lua"] = (ROOT / "templates" / "paper" / "paper.lua").read_text(encoding="utf-8")
+    page = print_pages("", files, ["report.md", "numerics.md", "wiring.md"])
+    assert page.startswith(b"%PDF-") and len(page) > 100_000  # figures and fonts are in it
 
 
 def test_without_a_browser(

@@ -1,6 +1,7 @@
 """Write the report as LaTeX, for theses and papers: the same text and formulas as report.md.
 
-The document is for lualatex or xelatex, because its sentences have Greek letters.
+The document is for lualatex or xelatex, because its sentences have Greek letters. It uses a figure as PDF if there is
+one, else as SVG if the package svg is installed, else it names the file, so that it compiles in any case.
 """
 
 from __future__ import annotations
@@ -12,16 +13,32 @@ from typing import Any
 from wmrgen.report.pages.document import tokens
 
 Token = Any  # of markdown-it
+_LINE = 100  # letters of a table on a line of 170 mm, with the spaces between its columns
+_WORDS = 24  # letters: longer cells are texts, which may be broken
 _HEAD = r"""\documentclass[a4paper,10pt]{article}
-% For lualatex or xelatex. Figures: the .svg files beside this one, by the package svg (with Inkscape), or as PDF.
+% For lualatex or xelatex, with the fonts DejaVu (Debian: fonts-dejavu-core).
+% Figures: convert the .svg files next to this file to PDF, for example by
+%   for f in *.svg; do rsvg-convert -f pdf -o ${f%.svg}.pdf $f; done
+% Without these, the package svg converts them if you run lualatex --shell-escape and have Inkscape.
 \usepackage[margin=20mm]{geometry}
-\usepackage{fontspec,amsmath,graphicx,svg,adjustbox,hyperref}
+\usepackage{fontspec,amsmath,graphicx,xcolor,array,hyperref}
+\newcommand\named[1]{\fbox{\texttt{\detokenize{#1}.svg}}}
+\newcommand\converted[1]{\includesvg[width=0.48\linewidth]{#1}}
+\IfFileExists{svg.sty}{\usepackage{svg}\let\named\converted}{}
+\newcommand\drawing[1]{\IfFileExists{#1.pdf}%
+  {\includegraphics[width=0.48\linewidth,height=0.4\textheight,keepaspectratio]{#1.pdf}}%
+  {\named{#1}}}
 \setmainfont{DejaVu Serif}
 \setmonofont{DejaVu Sans Mono}
 \setlength\parindent{0pt}
 \setlength\parskip{4pt}
 \newcommand\fitted[1]{\setbox0\hbox{$\displaystyle#1$}%
   \ifdim\wd0>\linewidth\resizebox{\linewidth}{!}{\box0}\else\box0\fi}
+\newenvironment{widetable}{\par\setbox0\hbox\bgroup\footnotesize}%
+  {\egroup\noindent\ifdim\wd0>\linewidth\resizebox{\linewidth}{!}{\box0}\else\box0\fi\par}
+\newsavebox\shadedbox
+\newenvironment{shaded}{\begin{lrbox}{\shadedbox}\begin{minipage}{\dimexpr\linewidth-2\fboxsep}\small\raggedright}%
+  {\end{minipage}\end{lrbox}\par\noindent\colorbox{black!7}{\usebox\shadedbox}\par}
 \sloppy
 \begin{document}
 """
@@ -34,7 +51,7 @@ _AROUND = {
     "hardbreak": "\\\\\n", "paragraph_open": "", "bullet_list_open": "\\begin{itemize}\n",
     "bullet_list_close": "\\end{itemize}\n\n", "ordered_list_open": "\\begin{enumerate}\n",
     "ordered_list_close": "\\end{enumerate}\n\n", "list_item_open": r"\item ", "list_item_close": "",
-    "blockquote_open": "\\begin{quote}\\small\n", "blockquote_close": "\\end{quote}\n\n",
+    "blockquote_open": "\\begin{shaded}\n", "blockquote_close": "\\end{shaded}\n\n",
     "hr": "\\medskip\\hrule\\medskip\n\n", "thead_open": "", "thead_close": "\\hline\n", "tbody_open": "",
     "tbody_close": "", "tr_open": "", "th_close": "", "td_close": "", "link_close": "}",
     "heading_close": "}\n\n",
@@ -72,9 +89,9 @@ def _blocks(every: Sequence[Token]) -> Iterator[str]:
         elif token.type == "heading_open":
             yield _HEADINGS.get(token.tag, _HEADINGS["h3"])
         elif token.type == "table_open":
-            yield f"\\begin{{adjustbox}}{{max width=\\linewidth}}\n\\begin{{tabular}}{{{_columns(every[k:])}}}\n"
+            yield f"\\begin{{widetable}}\n\\begin{{tabular}}{{{_columns(every[k:])}}}\n"
         elif token.type == "table_close":
-            yield "\\end{tabular}\n\\end{adjustbox}\n\n"
+            yield "\\end{tabular}\n\\end{widetable}\n\n"
         elif token.type in ("th_open", "td_open"):
             yield " & " if column else ""
             column += 1
@@ -92,14 +109,38 @@ def _fence(token: Token) -> str:
 
 
 def _columns(rest: Sequence[Token]) -> str:
-    """Return a letter for each column of the table that begins: l, or r if its cells are aligned to the right."""
-    letters = ""
+    """Return the columns of the table that begins, as LaTeX.
+
+    A column is l, or r if its cells are aligned to the right. In a table that is wider than a line, columns of long
+    texts share the line and break their texts.
+    """
+    letters: list[str] = []
+    longest: list[int] = []
+    column = 0
     for token in rest:
-        if token.type == "thead_close":
+        if token.type == "table_close":
             break
         if token.type == "th_open":
-            letters += "r" if "right" in str(token.attrs.get("style", "")) else "l"
-    return letters
+            letters.append("r" if "right" in str(token.attrs.get("style", "")) else "l")
+            longest.append(0)
+        if token.type in ("th_open", "td_open"):
+            column += 1
+        elif token.type == "tr_close":
+            column = 0
+        elif token.type == "inline":
+            longest[column - 1] = max(longest[column - 1], len(token.content))
+    if sum(longest) <= _LINE:
+        return "".join(letters)
+    shared = sum(n for n in longest if n > _WORDS)
+    free = 1 - sum(n for n in longest if n <= _WORDS) / _LINE
+    columns = ""
+    for letter, n in zip(letters, longest, strict=True):
+        columns += (
+            rf">{{\raggedright\arraybackslash}}p{{{free * n / shared:.2f}\linewidth}}"
+            if n > _WORDS
+            else letter
+        )
+    return columns
 
 
 def _inline(token: Token) -> str:
@@ -112,7 +153,7 @@ def _inline(token: Token) -> str:
         return _RAW.get(token.content, escaped(token.content))
     if token.type == "image":
         name = PurePosixPath(str(token.attrs["src"])).stem
-        return rf"\includesvg[width=0.48\linewidth]{{{name}}}"
+        return rf"\drawing{{{name}}}"
     if token.type == "link_open":
         return rf"\href{{{escaped(str(token.attrs['href']))}}}{{"
     return _AROUND.get(token.type, escaped(token.content))

@@ -9,7 +9,8 @@ from __future__ import annotations
 from wmrgen.codegen.registry import Facts
 from wmrgen.derivation.facade import Derivation
 from wmrgen.report.sections import numerics, wiring
-from wmrgen.report.sections.example import steps_of, with_example
+from wmrgen.report.sections.boxes import with_example
+from wmrgen.report.sections.example import steps_of
 from wmrgen.report.sections.forward import forward
 from wmrgen.report.sections.inverse import inverse
 from wmrgen.report.sections.markdown import citation, foot, in_symbols, page
@@ -32,7 +33,7 @@ def blocks_of(derivation: Derivation) -> list[str]:
     blocks, steps = [], steps_of(derivation)
     for section in (*_LAYOUT, *_MOTION, *_WHOLE):
         own = derivation.driven if section in _MOTION else derivation
-        blocks += with_example(section.__name__, derivation, steps, section(own))
+        blocks += with_example(section.__name__, own, steps, section(own))
     return blocks
 
 

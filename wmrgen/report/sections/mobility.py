@@ -193,18 +193,11 @@ def _actuation(d: Derivation) -> list[str]:
     """Compare driven joints with degrees of freedom, and write the conditions between speeds of driven wheels."""
     balances = " ".join(capitalised(str(balance)) for balance in d.mobility.actuation)
     blocks = [keyed("mobility.actuation", balances)] if balances else []
-    spins = [Poly.gen("input", f"{w.name}.spin") for w in d.robot.wheels if "spin" in w.actuated]
-    if len(spins) > _RELATIONS + 3:
+    sums = conditions_of_speeds(d)
+    if not sums:
         return blocks
-    sums = []
-    for row in relations(d.robot, d.mobility, symbolic_view):
-        sums.append(Poly.sum(led(d.robot, p) * spin for p, spin in zip(row, spins, strict=True)))
-    lines = [f"0 &= {wrapped(summands(gathered(terms(p))))}" for p in whole(sums)]
-    if not lines or max(map(width, lines)) > 2 * WIDE or len(lines) > _RELATIONS:
-        return blocks
+    lines = list(map(_condition, sums))
     fixed = " at constant steering angles" if has_angles(sums) else ""
-    if fixed and not d.mobility.degree_of_steerability:
-        return blocks  # the steering angle is fixed, and fewer conditions hold at this angle
     conditions = f"the condition{'s' * (len(lines) > 1)} of compatibility{fixed}"
     if d.mobility.degenerate:
         words = keyed(
@@ -214,6 +207,26 @@ def _actuation(d: Derivation) -> list[str]:
     else:
         words = keyed("mobility.compatible", f"The speeds of driven wheels have to satisfy {conditions}")
     return [*blocks, words, *aligned(lines)]
+
+
+def conditions_of_speeds(d: Derivation) -> list[Poly]:
+    """Return sums over the speeds of driven wheels that are 0; [] if they are too long or too many to be printed."""
+    spins = [Poly.gen("input", f"{w.name}.spin") for w in d.robot.wheels if "spin" in w.actuated]
+    if len(spins) > _RELATIONS + 3 or d.robot.effective_track:
+        return []
+    sums = []
+    for row in relations(d.robot, d.mobility, symbolic_view):
+        sums.append(Poly.sum(led(d.robot, p) * spin for p, spin in zip(row, spins, strict=True)))
+    if has_angles(sums) and not d.mobility.degree_of_steerability:
+        return []  # the steering angle is fixed, and fewer conditions hold at this angle
+    sums = list(whole(sums))
+    lines = map(_condition, sums)
+    return sums if len(sums) <= _RELATIONS and all(width(line) <= 2 * WIDE for line in lines) else []
+
+
+def _condition(p: Poly) -> str:
+    """Return the LaTeX of a condition of compatibility."""
+    return f"0 &= {wrapped(summands(gathered(terms(p))))}"
 
 
 def integrability(d: Derivation) -> list[str]:

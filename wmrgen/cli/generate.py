@@ -143,7 +143,7 @@ def derive(
     html: Annotated[bool, flag("--html", "Write report.html too: one file, and the robot to drive.")] = False,
     pdf: Annotated[
         bool,
-        flag("--pdf", "Write report.pdf too, by an installed Chromium, or pandoc and a TeX."),
+        flag("--pdf", "Write report.pdf too, by an installed LuaLaTeX, XeLaTeX or Chromium."),
     ] = False,
     tex: Annotated[bool, flag("--tex", "Write report.tex too, for lualatex or xelatex.")] = False,
     jobs: Jobs = None,

@@ -24,6 +24,8 @@ from wmrgen.errors import EnvironmentFailure
 
 _USUAL = ("cc", "gcc", "clang")
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome", "msedge")
+# LuaTeX writes no number into the PDF that depends on the name of the folder (519: all optional information).
+_WITHOUT_ID = r"\ifdefined\pdfvariable\pdfvariable suppressoptionalinfo 519\fi\input{page.tex}"
 _TEX = ("lualatex", "xelatex")  # engines that print Greek letters
 _FIXED_DATE = {"SOURCE_DATE_EPOCH": "946684800", "FORCE_SOURCE_DATE": "1"}  # for TeX: 1 January 2000
 _HOW_TO_INSTALL = (
@@ -306,49 +308,66 @@ def run_node(files: Mapping[str, str]) -> str:
     return run_tool([node, "main.mjs"], files)
 
 
-def print_pages(page: str, files: Mapping[str, str], markdown: Sequence[str]) -> bytes:
-    """Print a report as PDF: the HTML page with Chromium, or the Markdown pages with pandoc and TeX.
+def print_pages(document: str, page: str, figures: Mapping[str, str]) -> bytes:
+    """Print a report as PDF: the LaTeX document with TeX, or the HTML page with Chromium or a browser based on it.
 
-    Pandoc is used if there is no Chromium, nor a browser that is based on it. The dates in the PDF are fixed, so that
-    the same report gives the same bytes.
+    TeX is used if it is installed. The dates in the PDF are fixed, so that the same report gives the same bytes.
 
     Args:
-        page: The HTML page.
-        files: File name -> text of the Markdown pages, their figures and ``paper.lua``.
-        markdown: Names of the Markdown pages, in order.
+        document: The LaTeX document.
+        page: The HTML page, which has the same content.
+        figures: File name -> SVG of the figures of the document.
 
     Raises:
-        EnvironmentFailure: There is neither a browser nor pandoc with TeX, or they fail.
+        EnvironmentFailure: There is neither TeX with rsvg-convert nor a browser, or they fail.
     """
-    browser, tex = _first_tool(_BROWSERS), _first_tool(_TEX)
-    with _folder_of({**files, "page.html": page}) as folder:
-        if browser:
-            # As root, Chromium does not start with its sandbox.
-            root = ["--no-sandbox"] if os.name == "posix" and os.geteuid() == 0 else []
-            options = [
-                "--headless",
-                "--disable-gpu",
-                "--no-pdf-header-footer",
-                "--user-data-dir=profile",
-                *root,
-            ]
-            command = [browser, *options, "--print-to-pdf=page.pdf", (folder / "page.html").as_uri()]
-        elif tex and find_tool("rsvg-convert") and (pandoc := find_tool("pandoc")):
-            options = ["--from=gfm", "--lua-filter=paper.lua", f"--pdf-engine={tex}"]
-            command = [pandoc, *options, "--output=page.pdf", *markdown]
-        else:
-            raise EnvironmentFailure(
-                f"no program found that prints a PDF: looked for {', '.join(_BROWSERS)}, and for pandoc, "
-                f"rsvg-convert and {' or '.join(_TEX)}. Install a browser (Debian, Ubuntu: apt-get install "
-                "chromium), or print report.html (--html) yourself."
+    browser, tex, converter = _first_tool(_BROWSERS), _first_tool(_TEX), find_tool("rsvg-convert")
+    if tex and converter:
+        return _compile_document(tex, converter, document, figures)
+    if browser:
+        return _print_in_browser(browser, page)
+    raise EnvironmentFailure(
+        f"no program found that prints a PDF: looked for {' or '.join(_TEX)} with rsvg-convert, and for "
+        f"{', '.join(_BROWSERS)}. Install a browser (Debian, Ubuntu: apt-get install chromium), or print report.html "
+        "(--html) yourself."
+    )
+
+
+def _compile_document(tex: str, converter: str, document: str, figures: Mapping[str, str]) -> bytes:
+    """Return the PDF of a LaTeX document; ``converter`` makes a PDF of each of its figures."""
+    with _folder_of({**figures, "page.tex": document}) as folder:
+        for name in figures:
+            _program([converter, "--format=pdf", f"--output={Path(name).stem}.pdf", name], folder)
+        for _ in ("measure the columns of tables over several pages", "print"):
+            _program(
+                [tex, "-interaction=nonstopmode", "-halt-on-error", "-jobname=page", _WITHOUT_ID], folder
             )
-        _run(command, Path(command[0]).name, folder=str(folder), env=_FIXED_DATE, how="")
-        try:
-            printed = (folder / "page.pdf").read_bytes()
-        except OSError as error:
-            raise EnvironmentFailure(f"{command[0]} printed nothing") from error
+        return _printed_by(tex, folder)
+
+
+def _print_in_browser(browser: str, page: str) -> bytes:
+    """Return the PDF of an HTML page."""
+    # As root, Chromium does not start with its sandbox.
+    root = ["--no-sandbox"] if os.name == "posix" and os.geteuid() == 0 else []
+    options = ["--headless", "--disable-gpu", "--no-pdf-header-footer", "--user-data-dir=profile", *root]
+    with _folder_of({"page.html": page}) as folder:
+        _program([browser, *options, "--print-to-pdf=page.pdf", (folder / "page.html").as_uri()], folder)
+        printed = _printed_by(browser, folder)
     # The fixed date has the length of a browser's date, because a PDF contains the byte offset of each of its parts.
-    return _DATE.sub(rb"\1(D:20000101000000+00'00')", printed) if browser else printed
+    return _DATE.sub(rb"\1(D:20000101000000+00'00')", printed)
+
+
+def _program(command: Sequence[str], folder: Path) -> None:
+    """Run a program in a folder, at a fixed date."""
+    _run(command, Path(command[0]).name, folder=str(folder), env=_FIXED_DATE, how="")
+
+
+def _printed_by(program: str, folder: Path) -> bytes:
+    """Return the PDF that a program has written."""
+    try:
+        return (folder / "page.pdf").read_bytes()
+    except OSError as error:
+        raise EnvironmentFailure(f"{program} printed nothing") from error
 
 
 def find_tool(name: str) -> str | None:

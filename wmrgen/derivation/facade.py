@@ -527,7 +527,7 @@ class Derivation:
 
         m, printed = self.mobility, Latex()
         matrices = (("J_1", self.J1), ("C_1", self.C1), ("N", self.null_space))
-        with notation.with_symbols(self.robot.symbols):
+        with notation.with_symbols(self.robot.letters):
             shown = {name: printed.doprint(value) for name, value in matrices if value.rows * value.cols}
         lines = [f"{name} &= {value}" for name, value in shown.items()]
         degrees = zip(

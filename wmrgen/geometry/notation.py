@@ -169,6 +169,11 @@ def parameter(name: str) -> str:
     return f"{indexed[1]}_{{{indexed[2]}}}" if indexed else rf"\mathit{{{escape(name)}}}"
 
 
+def rank(name: str) -> str:
+    """Return what sorts a parameter among others in a sum or a product: its symbol if it has one, or its name."""
+    return _symbols.get().get(name, name)
+
+
 def letter(symbol: str) -> str:
     """Return the LaTeX of a parameter's symbol in the robot file: ``h``, ``l_x``, ``lambda``, ``l_rear``."""
     head, _, index = symbol.partition("_")

@@ -9,6 +9,7 @@ import pytest
 from tests.conftest import ROOT
 from tests.report.sections.common import keyed_page_of, keys_of, page_of, page_written, pages_of, sentence
 from tests.robots import ROBOTS, of_gallery
+from wmrgen.report.sections.markdown import letter_in_text
 from wmrgen.report.sections.texts import citations
 
 FENCE = re.compile(r"^```math\n(.*?)\n```$", re.MULTILINE | re.DOTALL)
@@ -61,7 +62,7 @@ def test_every_section_wheel_and_equation_number(name: str) -> None:
     for number in ("(3.24)", "(3.26)", "(3.40)", "(3.41)", "(3.42)"):
         assert number in page
     for parameter in robot.parameters:
-        symbol = f" ({parameter.symbol})" if parameter.symbol else ""
+        symbol = f" ({letter_in_text(parameter.symbol)})" if parameter.symbol else ""
         assert f"`{parameter.name}`{symbol} = " in page
 
 
@@ -118,8 +119,8 @@ def test_the_page_is_that_of_the_files() -> None:
             "lekiwi",
             r"v_x &= \frac{\sqrt{3}\,\mathit{wheel\_radius}}{3}\left(\dot{\varphi}_{\mathrm{right\_wheel}}-",
         ),
-        ("textbook_tricycle", r"y_{ICR} = \mathit{wheelbase}\,\cot\psi"),
-        ("kuka_youbot", r"v_x-v_y-\left(\mathit{half\_track}+\mathit{half\_wheelbase}\right)\omega"),
+        ("textbook_tricycle", r"y_{ICR} = L\,\cot\psi"),
+        ("kuka_youbot", r"v_x-v_y-\left(l_{x}+l_{y}\right)\omega"),
     ],
 )
 def test_known_formulas(name: str, formula: str) -> None:

@@ -70,7 +70,7 @@ def test_which_inverses_are_written_out() -> None:
 @pytest.mark.parametrize(
     ("name", "entry"),
     [
-        ("kuka_youbot", r"2\,{\left(\mathit{half\_track}+\mathit{half\_wheelbase}\right)}^{2}"),
+        ("kuka_youbot", r"2\,{\left(l_{x}+l_{y}\right)}^{2}"),
         ("synchro_drive", r"3\,{l}^{2}"),
         ("clearpath_a200", r"{\mathit{track}}^{2}+{\mathit{wheelbase}}^{2}"),
     ],

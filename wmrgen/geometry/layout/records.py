@@ -357,7 +357,7 @@ class Robot:
         return f"<Robot {self.name}: {', '.join(f'{n} {name}' for name, n in types.items())}>"
 
     @property
-    def symbols(self) -> dict[str, str]:
+    def letters(self) -> dict[str, str]:
         """The symbols that the robot file gives to parameters, for `notation.with_symbols`."""
         return {p.name: p.symbol for p in self.parameters if p.symbol}
 

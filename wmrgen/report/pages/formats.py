@@ -9,7 +9,6 @@ from wmrgen.derivation.facade import Derivation
 from wmrgen.report.pages import live
 from wmrgen.report.pages.document import REPORT, Report, chapters, page
 from wmrgen.report.pages.tex import tex
-from wmrgen.robotfile.shipped import shipped
 
 HTML, TEX, PDF = "report.html", "report.tex", "report.pdf"
 
@@ -35,17 +34,18 @@ def formatted(
     Raises:
         EnvironmentFailure: if no program that prints a PDF is installed.
     """
-    pages = {TEX: tex(files[REPORT].decode()).encode()} if "tex" in formats else {}
-    if not {"html", "pdf"} & set(formats):
-        return pages
-    text = page([report(derivation, files)])
+    pages: dict[str, bytes] = {}
+    if "tex" in formats:
+        pages[TEX] = tex(files[REPORT].decode()).encode()
     if "html" in formats:
-        pages[HTML] = text.encode()
-    return {**pages, PDF: _printed(text, files)} if "pdf" in formats else pages
+        pages[HTML] = page([report(derivation, files)]).encode()
+    if "pdf" in formats:
+        pages[PDF] = _printed(derivation, files)
+    return pages
 
 
-def _printed(text: str, files: Mapping[str, bytes]) -> bytes:
-    """Return the PDF of a page, which a browser prints, or of its ``files``, which pandoc prints."""
-    texts = {name: content.decode() for name, content in files.items() if name.endswith((".md", ".svg"))}
-    texts["paper.lua"] = (shipped("templates") / "paper" / "paper.lua").read_text(encoding="utf-8")
-    return print_pages(text, texts, chapters(texts))
+def _printed(derivation: Derivation, files: Mapping[str, bytes]) -> bytes:
+    """Return the PDF of all pages of a report."""
+    document = tex(*(files[name].decode() for name in chapters(files)))
+    figures = {name: content.decode() for name, content in files.items() if name.endswith(".svg")}
+    return print_pages(document, page([report(derivation, files)]), figures)

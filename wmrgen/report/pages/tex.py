@@ -15,13 +15,14 @@ from wmrgen.report.pages.document import tokens
 Token = Any  # of markdown-it
 _LINE = 100  # letters of a table on a line of 170 mm, with the spaces between its columns
 _WORDS = 24  # letters: longer cells are texts, which may be broken
+_TALL = 25  # rows: a higher table may continue on the next page
 _HEAD = r"""\documentclass[a4paper,10pt]{article}
 % For lualatex or xelatex, with the fonts DejaVu (Debian: fonts-dejavu-core).
 % Figures: convert the .svg files next to this file to PDF, for example by
 %   for f in *.svg; do rsvg-convert -f pdf -o ${f%.svg}.pdf $f; done
 % Without these, the package svg converts them if you run lualatex --shell-escape and have Inkscape.
 \usepackage[margin=20mm]{geometry}
-\usepackage{fontspec,amsmath,graphicx,xcolor,array,hyperref}
+\usepackage{fontspec,amsmath,graphicx,xcolor,array,longtable,hyperref}
 \newcommand\named[1]{\fbox{\texttt{\detokenize{#1}.svg}}}
 \newcommand\converted[1]{\includesvg[width=0.48\linewidth]{#1}}
 \IfFileExists{svg.sty}{\usepackage{svg}\let\named\converted}{}
@@ -31,6 +32,8 @@ _HEAD = r"""\documentclass[a4paper,10pt]{article}
 \setmainfont{DejaVu Serif}
 \setmonofont{DejaVu Sans Mono}
 \setlength\parindent{0pt}
+\setlength\extrarowheight{2pt}
+\setcounter{LTchunksize}{1000} % rows: column widths are right in the first run
 \setlength\parskip{4pt}
 \newcommand\fitted[1]{\setbox0\hbox{$\displaystyle#1$}%
   \ifdim\wd0>\linewidth\resizebox{\linewidth}{!}{\box0}\else\box0\fi}
@@ -52,7 +55,7 @@ _AROUND = {
     "bullet_list_close": "\\end{itemize}\n\n", "ordered_list_open": "\\begin{enumerate}\n",
     "ordered_list_close": "\\end{enumerate}\n\n", "list_item_open": r"\item ", "list_item_close": "",
     "blockquote_open": "\\begin{shaded}\n", "blockquote_close": "\\end{shaded}\n\n",
-    "hr": "\\medskip\\hrule\\medskip\n\n", "thead_open": "", "thead_close": "\\hline\n", "tbody_open": "",
+    "hr": "\\medskip\\hrule\\medskip\n\n", "thead_open": "", "tbody_open": "",
     "tbody_close": "", "tr_open": "", "th_close": "", "td_close": "", "link_close": "}",
     "heading_close": "}\n\n",
 }  # fmt: skip
@@ -66,9 +69,10 @@ _RAW = {
 _HEADINGS = {"h1": r"\section*{", "h2": r"\subsection*{", "h3": r"\subsubsection*{"}
 
 
-def tex(text: str) -> str:
-    """Return the LaTeX document of a page of Markdown."""
-    return f"{_HEAD}\n{''.join(_blocks(tokens(text))).rstrip()}\n\\end{{document}}\n"
+def tex(*pages: str) -> str:
+    """Return the LaTeX document of pages of Markdown, each of which begins a page of its own."""
+    bodies = ["".join(_blocks(tokens(page))).rstrip() + "\n" for page in pages]
+    return _HEAD + "\n" + "\\clearpage\n".join(bodies) + "\\end{document}\n"
 
 
 def escaped(text: str) -> str:
@@ -78,7 +82,7 @@ def escaped(text: str) -> str:
 
 def _blocks(every: Sequence[Token]) -> Iterator[str]:
     """Yield the LaTeX of each token."""
-    column = 0
+    column, tall = 0, False
     for k, token in enumerate(every):
         if token.type == "inline":
             yield "".join(map(_inline, token.children or []))
@@ -89,9 +93,15 @@ def _blocks(every: Sequence[Token]) -> Iterator[str]:
         elif token.type == "heading_open":
             yield _HEADINGS.get(token.tag, _HEADINGS["h3"])
         elif token.type == "table_open":
-            yield f"\\begin{{widetable}}\n\\begin{{tabular}}{{{_columns(every[k:])}}}\n"
+            tall = _rows(every[k:]) > _TALL
+            opening = (
+                "{\\footnotesize\n\\begin{longtable}[l]" if tall else "\\begin{widetable}\n\\begin{tabular}"
+            )
+            yield f"{opening}{{{_columns(every[k:])}}}\n"
+        elif token.type == "thead_close":
+            yield "\\hline\\endhead\n" if tall else "\\hline\n"
         elif token.type == "table_close":
-            yield "\\end{tabular}\n\\end{widetable}\n\n"
+            yield "\\end{longtable}}\n\n" if tall else "\\end{tabular}\n\\end{widetable}\n\n"
         elif token.type in ("th_open", "td_open"):
             yield " & " if column else ""
             column += 1
@@ -106,6 +116,16 @@ def _fence(token: Token) -> str:
     if token.info.strip() == "math":
         return f"\\[\n\\fitted{{{token.content.strip()}}}\n\\]\n\n"
     return f"\\texttt{{{escaped(token.content.strip())}}}\n\n"
+
+
+def _rows(rest: Sequence[Token]) -> int:
+    """Return the number of rows of the table that begins."""
+    rows = 0
+    for token in rest:
+        if token.type == "table_close":
+            break
+        rows += token.type == "tr_open"
+    return rows
 
 
 def _columns(rest: Sequence[Token]) -> str:
@@ -132,7 +152,7 @@ def _columns(rest: Sequence[Token]) -> str:
     if sum(longest) <= _LINE:
         return "".join(letters)
     shared = sum(n for n in longest if n > _WORDS)
-    free = 1 - sum(n for n in longest if n <= _WORDS) / _LINE
+    free = max(1 - sum(n for n in longest if n <= _WORDS) / _LINE, 0.2)
     columns = ""
     for letter, n in zip(letters, longest, strict=True):
         columns += (
@@ -155,5 +175,8 @@ def _inline(token: Token) -> str:
         name = PurePosixPath(str(token.attrs["src"])).stem
         return rf"\drawing{{{name}}}"
     if token.type == "link_open":
-        return rf"\href{{{escaped(str(token.attrs['href']))}}}{{"
+        address = str(token.attrs["href"])
+        return (
+            rf"\href{{{escaped(address)}}}{{" if address.startswith("http") else "{"
+        )  # a file next to report.md
     return _AROUND.get(token.type, escaped(token.content))

@@ -43,7 +43,7 @@ def in_symbols(write: _Writer[_Rest]) -> _Writer[_Rest]:
 
     @wraps(write)
     def written(d: Derivation, /, *rest: _Rest.args, **named: _Rest.kwargs) -> list[str]:
-        with notation.with_symbols(d.robot.symbols):
+        with notation.with_symbols(d.robot.letters):
             return write(d, *rest, **named)
 
     return written

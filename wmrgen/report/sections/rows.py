@@ -63,7 +63,7 @@ def _velocity_of_a_wheel(d: Derivation) -> list[str]:
         keyed(
             "rows.derived",
             "P moves at v = (v<sub>x</sub>, v<sub>y</sub>), and the chassis turns at ω. Hence the pivot "
-            "A = (l cos α, l sin α) of a wheel moves at v<sub>A</sub> = v + ω ẑ × A, with ẑ × A = (−l sin α, l cos α). "
+            "A = (l cos α, l sin α) of a wheel moves at v<sub>A</sub> = v + ω ẑ × A. Here ẑ × A = (−l sin α, l cos α). "
             "The wheel rolls along e, and n = ẑ × e is across it:",
         ),
         *aligned([

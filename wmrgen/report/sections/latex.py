@@ -240,7 +240,14 @@ def pieces(terms: Sequence[Term]) -> list[str]:
     if not any(groups):
         return sorted(_by_angles(terms), key=lambda piece: piece.startswith("-"))
     signed: list[str] = []
-    for lead, members in groups.items():
+    for lead, members in _with_equal_factors(groups):
+        if len(members) > 1 and len(set(map(_lead, members))) > 1:
+            number, common, rest = pulled_out(members)
+            if common or number != ONE:
+                signed.append(_product(number, common, total(rest), members[0].style))
+            else:
+                signed += [_product(t.number, t.factors, style=t.style) for t in members]
+            continue
         if not lead or len(members) == 1:
             signed += [_product(t.number, t.factors, style=t.style) for t in members]
             continue
@@ -250,6 +257,18 @@ def pieces(terms: Sequence[Term]) -> list[str]:
         signed.append(f"{one}{lead}" if one.endswith(")") else f"{one}{_SPACE}{lead}")
     two_joints = len(signed) == 2 and not any(lead in _TWIST for lead in groups)
     return sorted(signed, key=lambda piece: two_joints and piece.startswith("-"))
+
+
+def _with_equal_factors(groups: Mapping[str, list[Term]]) -> list[tuple[str, list[Term]]]:
+    """Collect joint rates with equal factors: a x - a y + b z becomes a (x - y) + b z."""
+    collected: dict[object, tuple[str, list[Term]]] = {}
+    for lead, members in groups.items():
+        first = members[0]
+        factors = tuple(f for f in first.factors if f.base != lead)
+        alone = not lead or lead in _TWIST or len(members) > 1
+        key = lead if alone else (abs(first.number), factors)
+        collected.setdefault(key, (lead, []))[1].extend(members)
+    return list(collected.values())
 
 
 def _by_angles(terms: Sequence[Term]) -> list[str]:

@@ -69,7 +69,7 @@ def _velocity_of_a_wheel(d: Derivation) -> list[str]:
         *aligned([
             rf"e &= \left(\sin{a}, -\cos{a}\right), & n &= \left(\cos{a}, \sin{a}\right)",
             rf"e\cdot(\hat{{z}}\times A) &= -l\left(\sin\alpha\sin{a} + \cos\alpha\cos{a}\right) &&= -l\cos{b}",
-            rf"n\cdot(\hat{{z}}\times A) &= -l\sin\alpha\cos{a} + l\cos\alpha\sin{a} &&= l\sin{b}",
+            rf"n\cdot(\hat{{z}}\times A) &= l\left(\cos\alpha\sin{a} - \sin\alpha\cos{a}\right) &&= l\sin{b}",
         ]),
         "e · v<sub>A</sub> and n · v<sub>A</sub> are therefore the products of ξ with the brackets below.",
     ]  # fmt: skip

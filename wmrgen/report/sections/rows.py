@@ -240,11 +240,23 @@ def null_space(d: Derivation) -> list[str]:
         blocks += ["No row constrains ξ: every twist is in the null space of C₁, and N = I."]
         return [*blocks, *_meaning(d, columns)]
     blocks += [
-        "A motion is admissible if C₁ ξ = 0. The columns of N, without common factors, span these motions. Every "
-        "admissible twist is ξ = N η, with one number η per column:",
+        f"A motion is admissible if C₁ ξ = 0. The columns of N span these motions{_orthogonal(d)}. Every admissible "
+        "twist is ξ = N η, with one number η per column:",
         *math(f"N = {matrix(zip(*(map(readable, column) for column in columns), strict=True))}"),
     ]
     return [*blocks, *_meaning(d, columns)]
+
+
+def _orthogonal(d: Derivation) -> str:
+    """Say how N follows from the rows of C1; "" if couplings constrain the twist too."""
+    m = d.mobility
+    if m.rank_C1.value != 3 - m.degree_of_mobility:
+        return ""
+    if m.degree_of_mobility == 1:
+        return keyed(
+            "null_space.cross", ": N is the cross product of two independent rows, without common factors"
+        )
+    return keyed("null_space.row", ": both are orthogonal to the one independent row")
 
 
 def _meaning(d: Derivation, columns: Sequence[Row]) -> list[str]:

@@ -202,3 +202,12 @@ def test_joint_rates_with_equal_factors_are_collected() -> None:
     )
     assert latex(one + A * two - three) == rf"{rates[0]}-{rates[2]}+a\;{rates[1]}"
     assert latex(A * VX + B * VY + A * OMEGA) == r"a\;v_x+\mathit{half\_track}\;v_y+a\;\omega"
+
+
+def test_products_of_two_angles_are_collected_by_the_one_that_most_share() -> None:
+    """As in a component of the same vector of which all terms share it."""
+    c, s = Poly.gen("cos", "rear"), Poly.gen("sin", "rear")
+    front, rear = r"\psi_{\mathrm{front}}", r"\psi_{\mathrm{rear}}"
+    all_share = latex(A * COS * c + B * COS * s)
+    assert all_share.startswith(rf"\cos{front}\left(") and all_share.endswith(r"\right)")
+    assert latex(A * COS * c + B * COS * s + R * SIN * c) == rf"{all_share}+r_{{1}}\,\sin{front}\,\cos{rear}"

@@ -11,7 +11,7 @@ import pytest
 
 from tests.oracle import oracle
 from tests.oracle.robot_file import read
-from tests.report.sections.common import page_of
+from tests.report.sections.common import page_of, page_written
 from tests.robots import ROBOTS, of_gallery
 
 NUMBER = r"(−?\d+(?:\.\d+)?(?:e[−+]?\d+)?)"
@@ -136,7 +136,8 @@ def test_matrices_in_numbers_are_those_of_the_oracle(name: str) -> None:
     shown = vectors(first.partition("C₁ has")[2])
     assert bool(shown) == bool(len(sliding)) == ("C₁ ξ = 0" in second)
     for row in shown:
-        assert np.abs(sliding - row).max(axis=1).min() < 2e-6 * max(1.0, np.abs(sliding).max())
+        digits = 7e-6 * max(1.0, np.abs(sliding).max())  # six digits of entries, and of angles
+        assert np.abs(sliding - row).max(axis=1).min() < digits
     rolling = []
     for w in layout["wheels"]:
         rows = oracle.wheel_rows(w, angles.get(w["name"], 0.0))
@@ -185,3 +186,18 @@ def test_rates_are_compatible_and_pivots_move(name: str) -> None:
         steered = [w["name"] for w in layout["wheels"] if w["type"] == "steered"]
         assert speeds[wheel] <= min(speeds[w] for w in steered) + 1e-6
     assert len(shown) == found.get("9", "").count("|v<sub>A</sub>|")
+
+
+def test_a_steered_wheel_without_a_drive_points_along_its_velocity() -> None:
+    wheels = "".join(
+        f"  - {{name: {name}, type: {kind}, x: {x}, y: {y}, heading: 0, r: 0.1{more}}}\n"
+        for name, kind, x, y, more in (
+            ("left", "fixed", 0, 0.2, ""),
+            ("right", "fixed", 0, -0.2, ""),
+            ("front", "steered", 0.5, 0, ", actuated: []"),
+        )
+    )
+    page = page_written(f"wmrgen: 1\nname: sample\nwheels:\n{wheels}")
+    vx, _, omega = twist_in(page.partition("is the example twist")[0].rpartition("**Example.** ")[2])
+    (angle,) = re.findall(rf"At ψ = {NUMBER}° \(`front`\)", page)
+    assert radians(number(angle)) == pytest.approx(np.arctan2(0.5 * omega, vx), abs=1e-5)

@@ -27,6 +27,7 @@ from wmrgen.report.sections.example import (
     shown,
     value_at,
     vector,
+    velocity,
 )
 from wmrgen.report.sections.forward import rows_as_printed
 from wmrgen.report.sections.markdown import code, listed
@@ -113,15 +114,9 @@ def _angle(w: Wheel, values: Numbers) -> str:
     psi = values.get(f"{w.name}.steer")
     if not w.kind.steers or psi is None:
         return ""
-    ax, ay = _velocity(w, values)
+    ax, ay = velocity(w, values)
     ratio = f", tan ψ = {shown(tan(psi))}" if abs(ax) > ZERO and not w.heading else ""
     return f"v<sub>A</sub> = {vector(ax, ay)}{ratio}, ψ = {_in_degrees(psi)}, "
-
-
-def _velocity(w: Wheel, values: Numbers) -> tuple[float, float]:
-    """Return the velocity of a pivot [m/s]: v + omega z x A."""
-    x, y = float(w.nominal.x), float(w.nominal.y)
-    return values["vx"] - y * values["omega"], values["vy"] + x * values["omega"]
 
 
 def _twist_along(row: Row, steps: Steps) -> float:
@@ -174,7 +169,7 @@ def _numbers(rows: Sequence[Row], values: Numbers) -> Array:
 
 
 def _all_angles_known(d: Derivation, values: Numbers) -> bool:
-    """Return whether the example has the angle of each steered wheel. Nobody commands a passive one."""
+    """Return whether the example has the angle of each steered wheel: all pivots move, or are commanded."""
     return all(f"{w.name}.steer" in values for w in d.robot.wheels if w.kind.steers)
 
 
@@ -304,7 +299,7 @@ def _singular(d: Derivation, steps: Steps) -> list[str]:
 def _slowest_pivot(d: Derivation, values: Numbers) -> list[str]:
     """Return how much a small sideways change of the velocity of a pivot turns its wheel, if it can be the ICR."""
     steered = [d.robot.wheel(s.wheels[0]) for s in d.mobility.singularities if s.kind == "icr_on_pivot"]
-    speeds = {w.name: hypot(*_velocity(w, values)) for w in steered if turns_about(w, d.mobility)}
+    speeds = {w.name: hypot(*velocity(w, values)) for w in steered if turns_about(w, d.mobility)}
     if not speeds:
         return []
     name = min(speeds, key=lambda n: (round(speeds[n], 6), n))

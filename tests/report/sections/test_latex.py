@@ -190,3 +190,24 @@ def test_magnitudes_have_their_value() -> None:
                 value = read(above or "1", {}) / read(below or "1", {})
                 assert abs(value) == pytest.approx(abs(float(number)), rel=5e-6)
                 assert not above.startswith("1\\") and "+1\\" not in above and "-1\\" not in above
+
+
+def test_joint_rates_with_equal_factors_are_collected() -> None:
+    """In a sum with other rates too, as in sums of which all rates have one factor. Twists are not collected."""
+    one, two, three = (Poly.gen("input", f"w{k}.spin") for k in (1, 2, 3))
+    rates = [rf"\dot{{\varphi}}_{{\mathrm{{w{k}}}}}" for k in (1, 2, 3)]
+    assert latex(A * one - A * two) == rf"a\left({rates[0]}-{rates[1]}\right)"
+    assert latex(A * one + B * two - A * three) == (
+        rf"a\left({rates[0]}-{rates[2]}\right)+\mathit{{half\_track}}\;{rates[1]}"
+    )
+    assert latex(one + A * two - three) == rf"{rates[0]}-{rates[2]}+a\;{rates[1]}"
+    assert latex(A * VX + B * VY + A * OMEGA) == r"a\;v_x+\mathit{half\_track}\;v_y+a\;\omega"
+
+
+def test_products_of_two_angles_are_collected_by_the_one_that_most_share() -> None:
+    """As in a component of the same vector of which all terms share it."""
+    c, s = Poly.gen("cos", "rear"), Poly.gen("sin", "rear")
+    front, rear = r"\psi_{\mathrm{front}}", r"\psi_{\mathrm{rear}}"
+    all_share = latex(A * COS * c + B * COS * s)
+    assert all_share.startswith(rf"\cos{front}\left(") and all_share.endswith(r"\right)")
+    assert latex(A * COS * c + B * COS * s + R * SIN * c) == rf"{all_share}+r_{{1}}\,\sin{front}\,\cos{rear}"

@@ -116,8 +116,8 @@ def _one_line(robot: Robot, first: str, second: str, symbolic: bool) -> Domain:
     conditions = (square(expression(zero_condition(towards(v, w, view)))) for v, w in ((a, b), (b, a)))
     return Domain(
         add(*conditions),
-        f"the axles of `{first}` and `{second}` are on one line, and eta1 has no effect, although the robot can turn "
-        "about the points of that line (the form `twist` has these motions)",
+        f"the axles of `{first}` and `{second}` are on one line, and eta1 has no effect (the form `twist` can still "
+        "turn the robot)",
     )
 
 

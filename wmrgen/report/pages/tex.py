@@ -22,7 +22,8 @@ _HEAD = r"""\documentclass[a4paper,10pt]{article}
 %   for f in *.svg; do rsvg-convert -f pdf -o ${f%.svg}.pdf $f; done
 % Without these, the package svg converts them if you run lualatex --shell-escape and have Inkscape.
 \usepackage[margin=20mm]{geometry}
-\usepackage{fontspec,amsmath,graphicx,xcolor,array,longtable,hyperref}
+\usepackage{fontspec,amsmath,graphicx,xcolor,array,longtable}
+\usepackage[hidelinks]{hyperref}
 \newcommand\named[1]{\fbox{\texttt{\detokenize{#1}.svg}}}
 \newcommand\converted[1]{\includesvg[width=0.48\linewidth]{#1}}
 \IfFileExists{svg.sty}{\usepackage{svg}\let\named\converted}{}
@@ -37,7 +38,7 @@ _HEAD = r"""\documentclass[a4paper,10pt]{article}
 \setlength\parskip{4pt}
 \newcommand\fitted[1]{\setbox0\hbox{$\displaystyle#1$}%
   \ifdim\wd0>\linewidth\resizebox{\linewidth}{!}{\box0}\else\box0\fi}
-\newenvironment{widetable}{\par\setbox0\hbox\bgroup\footnotesize}%
+\newenvironment{widetable}{\par\setbox0\hbox\bgroup\footnotesize\renewcommand\arraystretch{1.2}}%
   {\egroup\noindent\ifdim\wd0>\linewidth\resizebox{\linewidth}{!}{\box0}\else\box0\fi\par}
 \newsavebox\shadedbox
 \newenvironment{shaded}{\begin{lrbox}{\shadedbox}\begin{minipage}{\dimexpr\linewidth-2\fboxsep}\small\raggedright}%

@@ -27,10 +27,11 @@ from wmrgen.report.sections.example import (
     shown,
     value_at,
     vector,
+    velocity,
 )
 from wmrgen.report.sections.forward import rows_as_printed
 from wmrgen.report.sections.markdown import code, listed
-from wmrgen.report.sections.mobility import conditions_of_speeds
+from wmrgen.report.sections.mobility import conditions_of_speeds, turns_about
 
 _MANY = 3  # wheels whose rows are written out; more would fill half a screen
 _LISTED = 6  # entries of a vector that are written out, on two lines of a box
@@ -58,14 +59,17 @@ def with_example(section: str, d: Derivation, steps: Steps | None, blocks: list[
     if not lines:
         return blocks
     box = "  \n".join(f"> {line}" for line in ["**Example.** " + lines[0], *lines[1:]])
-    place = _place(blocks)
+    place = _place(section, blocks)
     return [*blocks[:place], box.replace("-", "−"), *blocks[place:]]
 
 
-def _place(blocks: Sequence[str]) -> int:
-    """Return the index after the first formula, where the box is beside the next formulas."""
-    formulas = (k for k, block in enumerate(blocks, 1) if block.startswith("```math"))
-    return next(formulas, len(blocks))
+def _place(section: str, blocks: Sequence[str]) -> int:
+    """Return the index of the box: after the first formula, or in section 9 after the first paragraph."""
+    if section == "singular":
+        places = (k for k, block in enumerate(blocks, 1) if not block.startswith(("#", "![")))
+    else:
+        places = (k for k, block in enumerate(blocks, 1) if block.startswith("```math"))
+    return next(places, len(blocks))
 
 
 def _rows(d: Derivation, steps: Steps) -> list[str]:
@@ -74,9 +78,9 @@ def _rows(d: Derivation, steps: Steps) -> list[str]:
     twist = vector(*(steps.values[n] for n in TWIST_NAMES))
     known = [w for w in d.robot.wheels if not w.kind.steers or f"{w.name}.steer" in steps.values]
     wheels = [w for w in known if w.kind.directed and not w.kind.swivels]
-    lines = [f"ξ = {twist} is the example twist of this page. The rows of section 3 times ξ are, in m/s,"]
+    lines = [f"ξ = {twist} is the example twist of this page. The rows of section 3 times ξ are, in m/s:"]
     for w in wheels[:_MANY]:
-        lines.append(f"{code(w.name)}: {'; '.join(_rows_of(c, w, steps.values))}")
+        lines.append(f"{code(w.name)}: {'; '.join(_rows_of(c, w, steps.values))}.")
     return lines if wheels else []
 
 
@@ -94,15 +98,15 @@ def _rates(d: Derivation, steps: Steps) -> list[str]:
         w = row.wheel
         spin, radius = values[f"{w.name}.spin"], -value_at(dict(row.rates)[w.index, "spin"], values)
         if w.kind.swivels:
-            lines.append(f"{code(w.name)}, at ψ = 0: φ̇ = {shown(spin)} rad/s")
+            lines.append(f"{code(w.name)}, at ψ = 0: φ̇ = {shown(spin)} rad/s.")
             continue
         rim = product_of(row.row, values)[1]
         quotient = f"{shown(rim)} / {shown(radius)}"
         rate = f"φ̇ = {as_equation(quotient, spin)} rad/s"
         if abs(rim / radius - spin) > _SAME * max(abs(spin), 1.0):  # a coupling or a limit changes it
             rate = f"φ̇ = {shown(spin)} rad/s"
-        lines.append(f"{code(w.name)}: {_angle(w, values)}{rate}")
-    return [f"ξ = {vector(*(values[n] for n in TWIST_NAMES))} gives", *lines] if lines else []
+        lines.append(f"{code(w.name)}: {_angle(w, values)}{rate}.")
+    return [f"ξ = {vector(*(values[n] for n in TWIST_NAMES))} gives:", *lines] if lines else []
 
 
 def _angle(w: Wheel, values: Numbers) -> str:
@@ -110,15 +114,9 @@ def _angle(w: Wheel, values: Numbers) -> str:
     psi = values.get(f"{w.name}.steer")
     if not w.kind.steers or psi is None:
         return ""
-    ax, ay = _velocity(w, values)
+    ax, ay = velocity(w, values)
     ratio = f", tan ψ = {shown(tan(psi))}" if abs(ax) > ZERO and not w.heading else ""
     return f"v<sub>A</sub> = {vector(ax, ay)}{ratio}, ψ = {_in_degrees(psi)}, "
-
-
-def _velocity(w: Wheel, values: Numbers) -> tuple[float, float]:
-    """Return the velocity of a pivot [m/s]: v + omega z x A."""
-    x, y = float(w.nominal.x), float(w.nominal.y)
-    return values["vx"] - y * values["omega"], values["vy"] + x * values["omega"]
 
 
 def _twist_along(row: Row, steps: Steps) -> float:
@@ -151,7 +149,7 @@ def _pose(_: Derivation, steps: Steps) -> list[str]:
     half = omega / 2
     factor = sin(half) / half if half else 1.0
     ahead, side = vx * cos(half) - vy * sin(half), vx * sin(half) + vy * cos(half)
-    start = f"From (0, 0, 0), with Δt = 1 s: σ = {shown(half)}, sinc σ = {shown(factor)},"
+    start = f"From (0, 0, 0), with Δt = 1 s: σ = {shown(half)}, sinc σ = {shown(factor)}."
     return [
         start,
         f"x' = {shown(factor)} · {shown(ahead)} = {shown(steps.pose['x'])} m,",
@@ -171,7 +169,7 @@ def _numbers(rows: Sequence[Row], values: Numbers) -> Array:
 
 
 def _all_angles_known(d: Derivation, values: Numbers) -> bool:
-    """Return whether the example has the angle of each steered wheel. Nobody commands a passive one."""
+    """Return whether the example has the angle of each steered wheel: all pivots move, or are commanded."""
     return all(f"{w.name}.steer" in values for w in d.robot.wheels if w.kind.steers)
 
 
@@ -244,7 +242,7 @@ def _combination(d: Derivation, steps: Steps) -> list[str]:
     at = "At the angles of section 3, " if any(w.kind.steers for w in d.robot.wheels) else ""
     lines = [f"{at}{numbers}.", f"ξ = {vector(*twist)} = {parts}, so η = {_cut(eta)}."]
     if len(eta) == 1 and abs(twist[2]) > ZERO:
-        lines.append(f"The ICR is at {vector(-twist[1] / twist[2], twist[0] / twist[2])} m.")
+        lines[-1] += f" The ICR is at {vector(-twist[1] / twist[2], twist[0] / twist[2])} m."
     return lines
 
 
@@ -268,7 +266,7 @@ def _rank(d: Derivation, steps: Steps) -> list[str]:
     product = vector(*np.cross(*chosen))
     return [
         f"{first} × {second} = {product} is not 0, so these rows of C₁ are independent. "
-        "Since C₁ ξ = 0 for ξ ≠ 0, the rank is below 3: rank C₁ = 2."
+        "With C₁ ξ = 0, this leaves rank C₁ = 2."
     ]
 
 
@@ -286,8 +284,8 @@ def _compatible(d: Derivation, steps: Steps) -> list[str]:
     if abs(sum(k * spin for k, spin in parts)) > _SAME * max(abs(k * spin) for k, spin in parts):
         return []
     text = as_sum(parts)
-    which = "condition" if len(conditions) == 1 else "first condition"
-    return [f"The rates of section 6 satisfy the {which} of compatibility: {text} = 0."]
+    which = "Condition" if len(conditions) == 1 else "First condition"
+    return [f"{which} of compatibility: {text} = 0."]
 
 
 def _singular(d: Derivation, steps: Steps) -> list[str]:
@@ -299,9 +297,9 @@ def _singular(d: Derivation, steps: Steps) -> list[str]:
 
 
 def _slowest_pivot(d: Derivation, values: Numbers) -> list[str]:
-    """Return how much a small sideways change of the velocity of a pivot turns its wheel."""
+    """Return how much a small sideways change of the velocity of a pivot turns its wheel, if it can be the ICR."""
     steered = [d.robot.wheel(s.wheels[0]) for s in d.mobility.singularities if s.kind == "icr_on_pivot"]
-    speeds = {w.name: hypot(*_velocity(w, values)) for w in steered}
+    speeds = {w.name: hypot(*velocity(w, values)) for w in steered if turns_about(w, d.mobility)}
     if not speeds:
         return []
     name = min(speeds, key=lambda n: (round(speeds[n], 6), n))
@@ -310,9 +308,8 @@ def _slowest_pivot(d: Derivation, values: Numbers) -> list[str]:
         return [f"The pivot of {code(name)} does not move: the example is singular."]
     change = _SIDEWAYS / speed
     return [
-        f"{'The pivot' if len(speeds) == 1 else 'The slowest pivot'}, of {code(name)}, moves at "
-        f"|v<sub>A</sub>| = {shown(speed)} m/s. A change of v<sub>A</sub> by {shown(_SIDEWAYS)} m/s across the wheel "
-        f"turns it by {shown(_SIDEWAYS)} / {shown(speed)} = {shown(change)} rad."
+        f"{code(name)}: |v<sub>A</sub>| = {shown(speed)} m/s. A change by {shown(_SIDEWAYS)} m/s across the wheel "
+        f"turns it by {shown(change)} rad."
     ]
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from math import atan2, cos, pi, prod, sin, sqrt, tan
+from math import atan2, cos, hypot, pi, prod, sin, sqrt, tan
 from typing import NamedTuple
 
 from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry.exact.poly import Gen, Poly, Row
+from wmrgen.geometry.layout.records import Wheel
 from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.report.sections.result import example
 
@@ -36,7 +37,23 @@ def steps_of(d: Derivation) -> Steps | None:
         outputs[function] = {name: float(text) for name, text in returned.items()}
         for name, text in (*given.items(), *returned.items()):
             values.setdefault(name, float(text))
+    for w in d.robot.wheels:
+        if w.kind.steers and not w.actuated and outputs:
+            values |= _passive_angle(w, values)
     return Steps(values, outputs.get("forward", {}), outputs["odometry"]) if outputs else None
+
+
+def velocity(w: Wheel, values: Numbers) -> tuple[float, float]:
+    """Return the velocity of a pivot [m/s]: v + omega z x A."""
+    x, y = float(w.nominal.x), float(w.nominal.y)
+    return values["vx"] - y * values["omega"], values["vy"] + x * values["omega"]
+
+
+def _passive_angle(w: Wheel, values: Numbers) -> Numbers:
+    """Return the angle of a steered wheel without a drive, which points along its velocity; {} if its pivot rests."""
+    ax, ay = velocity(w, values)
+    turn = atan2(ay, ax) - w.heading
+    return {f"{w.name}.steer": turn - pi * round(turn / pi)} if hypot(ax, ay) > ZERO else {}
 
 
 def shown(value: float) -> str:

@@ -217,11 +217,11 @@ def _constant(d: Derivation, measured: Measurements, rows: list[Measured]) -> li
     entries = [[shorter(p) for p in row] for row in normal_equations(plain)[0]]
     normal, named = _normal(entries, numbers)
     at_values = "" if named else ", with the numbers of this robot"
-    why = "HᵀH does not depend on any joint angle, so it was inverted once, for this page."
+    why = "HᵀH does not depend on any joint angle, so it needs to be inverted only once."
     if any(c.wheel.turns for c in measured.contacts):
         why = (
             "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x]. A rotation cancels in HᵀH, so the matrix is "
-            "constant at all steering angles, and was inverted once, for this page."
+            "constant at all steering angles, and needs to be inverted only once."
         )
     twist = twist_formulas(d)
     if not d.determined:
@@ -515,8 +515,8 @@ def _three(d: Derivation, measured: Measurements) -> list[str]:
         words = "Three rows make H square, and det(HᵀH) = (det H)². By Cramer's rule the solution is"
     else:
         words = (
-            "If the rates agree, three independent rows determine the twist, and the other rows add nothing. H₃ and z₃ "
-            "are the rows with the fewest joint angles. By Cramer's rule the solution is"
+            "If the rates agree, three independent rows determine the twist, and the other rows follow from them. "
+            "H₃ and z₃ are the rows with the fewest joint angles. By Cramer's rule the solution is"
         )
     index = "" if len(measured.rows) == 3 else "_3"
     shown = [] if index or width(det) > WIDE else math(rf"\det H = {det}")

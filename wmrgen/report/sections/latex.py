@@ -240,7 +240,14 @@ def pieces(terms: Sequence[Term]) -> list[str]:
     if not any(groups):
         return sorted(_by_angles(terms), key=lambda piece: piece.startswith("-"))
     signed: list[str] = []
-    for lead, members in groups.items():
+    for lead, members in _with_equal_factors(groups):
+        if len(members) > 1 and len(set(map(_lead, members))) > 1:
+            number, common, rest = pulled_out(members)
+            if common or number != ONE:
+                signed.append(_product(number, common, total(rest), members[0].style))
+            else:
+                signed += [_product(t.number, t.factors, style=t.style) for t in members]
+            continue
         if not lead or len(members) == 1:
             signed += [_product(t.number, t.factors, style=t.style) for t in members]
             continue
@@ -252,12 +259,30 @@ def pieces(terms: Sequence[Term]) -> list[str]:
     return sorted(signed, key=lambda piece: two_joints and piece.startswith("-"))
 
 
+def _with_equal_factors(groups: Mapping[str, list[Term]]) -> list[tuple[str, list[Term]]]:
+    """Collect joint rates with equal factors: a x - a y + b z becomes a (x - y) + b z."""
+    collected: dict[object, tuple[str, list[Term]]] = {}
+    for lead, members in groups.items():
+        first = members[0]
+        factors = tuple(f for f in first.factors if f.base != lead)
+        alone = not lead or lead in _TWIST or len(members) > 1
+        key = lead if alone else (abs(first.number), factors)
+        collected.setdefault(key, (lead, []))[1].extend(members)
+    return list(collected.values())
+
+
 def _by_angles(terms: Sequence[Term]) -> list[str]:
     """Return the summands of a sum without velocities. Terms with the same sines and cosines are collected,
-    as (b_x² + b_y²) sin psi in tidybot2."""
+    as (b_x² + b_y²) sin psi in tidybot2, or terms with one of two in common, as in sums where all have it in common."""
+    shared = _shared_angle(terms)
+    if shared is not None:
+        inside = [t for t in terms if shared in t.factors]
+        outside = [t for t in terms if shared not in t.factors]
+        number, common, rest = pulled_out(inside)
+        return [_product(number, common, total(rest), inside[0].style), *pieces(outside)]
     groups: dict[tuple[Factor, ...], list[Term]] = {}
     for t in sorted(terms, key=_key):
-        groups.setdefault(tuple(f for f in t.factors if f.rank == 1), []).append(t)
+        groups.setdefault(_angles(t), []).append(t)
     signed: list[str] = []
     for angles, members in groups.items():
         if not angles or len(members) == 1:
@@ -269,9 +294,24 @@ def _by_angles(terms: Sequence[Term]) -> list[str]:
     return signed
 
 
+def _shared_angle(terms: Sequence[Term]) -> Factor | None:
+    """Return the sine or cosine that most terms share, if all terms are different products of two; else None."""
+    angles = list(map(_angles, terms))
+    if any(len(a) != 2 for a in angles) or len(set(angles)) < len(terms):
+        return None
+    counts = Counter(f for pair in angles for f in pair)
+    shared = min(counts, key=lambda f: (-counts[f], f.order))
+    return shared if counts[shared] > 1 else None
+
+
 def _without(base: str, t: Term) -> Term:
     """Return a term without its factors of this base."""
     return replace(t, factors=tuple(f for f in t.factors if f.base != base))
+
+
+def _angles(t: Term) -> tuple[Factor, ...]:
+    """Return the sines and cosines of a term."""
+    return tuple(f for f in t.factors if f.rank == 1)
 
 
 def _without_angles(t: Term) -> Term:

@@ -249,7 +249,7 @@ def integrability(d: Derivation) -> list[str]:
             r"c\cdot\mathrm{curl}\,c = c\cdot\begin{bmatrix} \sin\chi & -\cos\chi & 0 \end{bmatrix}"
             rf" = -\sin^2\chi - \cos^2\chi = {value}"
         ),
-        f"It is not zero, so {'none of these equations alone is' if len(wheels) > 1 else 'this equation is not'} the "
+        f"It is not zero, so {'no equation alone is' if len(wheels) > 1 else 'this equation is not'} the "
         f"derivative of a condition on the pose (Tzafestas (2.25)). {_together(d.mobility)}",
     ]  # fmt: skip
 
@@ -345,7 +345,7 @@ def _none(d: Derivation) -> list[str]:
 def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
     """Say where the heading of steered wheels is undefined, because the pivot is the ICR."""
     wheels = [d.robot.wheel(s.wheels[0]) for s in pivots]
-    turns = any(_turns_about(w, d.mobility) for w in wheels)
+    turns = any(turns_about(w, d.mobility) for w in wheels)
     if turns:
         when = keyed("singular.on_pivot", "This happens if the pivot is the ICR, or if the robot is at rest.")
     else:
@@ -360,13 +360,13 @@ def _pivots(d: Derivation, pivots: list[Singularity]) -> list[str]:
             " A shared angle is also undefined where Σ u w and Σ (u² − w²) of its wheels are both 0.",
         )
     return [
-        f"The heading of a steered wheel ({some(wheels)}) is undefined if its pivot (x, y) does not move: "
-        f"v<sub>x</sub> − y ω = 0 and v<sub>y</sub> + x ω = 0. {when}{shared} Near these twists, small changes of the "
-        "twist need large changes of the angle."
+        "The heading of a steered wheel is undefined if its pivot (x, y) does not move: v<sub>x</sub> − y ω = 0 and "
+        f"v<sub>y</sub> + x ω = 0. This concerns {some(wheels)}. {when}{shared} Near these twists, small changes of "
+        "the twist need large changes of the angle."
     ]
 
 
-def _turns_about(w: Wheel, m: Mobility) -> bool:
+def turns_about(w: Wheel, m: Mobility) -> bool:
     """Return whether an admissible twist turns the robot about the pivot of a wheel."""
     if not m.admissible.linear:
         return True

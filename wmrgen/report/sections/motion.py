@@ -48,9 +48,9 @@ def motion(d: Derivation) -> list[str]:
     """Return section 8."""
     return [
         "## 8 Odometry and the posture model",
-        "A constant twist moves P along an arc (`odometry`). Its chord has the direction in which P moves half-way, "
-        "and is shorter than the arc by the factor sinc σ. Near σ = 0 the code uses a "
-        "series ([numerics.md](numerics.md)). The exact pose after Δt is, with θ' wrapped to one turn,",
+        "A constant twist moves P along an arc (`odometry`). Its velocity in the world, v turned by θ + ω τ, is "
+        "integrated over 0 ≤ τ ≤ Δt with sin(θ + 2σ) − sin θ = 2 sin σ cos(θ + σ). Near σ = 0 the code uses a series "
+        "([numerics.md](numerics.md)). The exact pose after Δt is, with θ' wrapped to one turn,",
         *aligned([
             r"x' &= x + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\cos(\theta+\sigma) - v_y\sin(\theta+\sigma)\right)",
             r"y' &= y + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\sin(\theta+\sigma) + v_y\cos(\theta+\sigma)\right)",

@@ -97,7 +97,7 @@ def layout(d: Derivation) -> list[str]:
     robot = d.robot
     blocks = [
         "## 1 The layout",
-        "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, *Introduction to "
+        "Notation and equation numbers follow Siegwart, Nourbakhsh and Scaramuzza, *Introduction to "
         "Autonomous Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward and y to the left. The "
         "twist ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in this frame; the book writes R(θ) "
         "ξ̇<sub>I</sub>. Lengths are in metres. Angles are counter-clockwise, in radians unless marked °. Numbers are "

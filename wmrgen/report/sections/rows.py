@@ -63,13 +63,13 @@ def _velocity_of_a_wheel(d: Derivation) -> list[str]:
         keyed(
             "rows.derived",
             "P moves at v = (v<sub>x</sub>, v<sub>y</sub>), and the chassis turns at ω. Hence the pivot "
-            "A = (l cos α, l sin α) of a wheel moves at v<sub>A</sub> = v + ω ẑ × A, with ẑ × A = (−l sin α, l cos α). "
+            "A = (l cos α, l sin α) of a wheel moves at v<sub>A</sub> = v + ω ẑ × A. Here ẑ × A = (−l sin α, l cos α). "
             "The wheel rolls along e, and n = ẑ × e is across it:",
         ),
         *aligned([
             rf"e &= \left(\sin{a}, -\cos{a}\right), & n &= \left(\cos{a}, \sin{a}\right)",
             rf"e\cdot(\hat{{z}}\times A) &= -l\left(\sin\alpha\sin{a} + \cos\alpha\cos{a}\right) &&= -l\cos{b}",
-            rf"n\cdot(\hat{{z}}\times A) &= -l\sin\alpha\cos{a} + l\cos\alpha\sin{a} &&= l\sin{b}",
+            rf"n\cdot(\hat{{z}}\times A) &= l\left(\cos\alpha\sin{a} - \sin\alpha\cos{a}\right) &&= l\sin{b}",
         ]),
         "e · v<sub>A</sub> and n · v<sub>A</sub> are therefore the products of ξ with the brackets below.",
     ]  # fmt: skip
@@ -240,11 +240,23 @@ def null_space(d: Derivation) -> list[str]:
         blocks += ["No row constrains ξ: every twist is in the null space of C₁, and N = I."]
         return [*blocks, *_meaning(d, columns)]
     blocks += [
-        "A motion is admissible if C₁ ξ = 0. The columns of N, without common factors, span these motions. Every "
-        "admissible twist is ξ = N η, with one number η per column:",
+        f"A motion is admissible if C₁ ξ = 0. The columns of N span these motions{_orthogonal(d)}. Every admissible "
+        "twist is ξ = N η, with one number η per column:",
         *math(f"N = {matrix(zip(*(map(readable, column) for column in columns), strict=True))}"),
     ]
     return [*blocks, *_meaning(d, columns)]
+
+
+def _orthogonal(d: Derivation) -> str:
+    """Say how N follows from the rows of C1; "" if couplings constrain the twist too."""
+    m = d.mobility
+    if m.rank_C1.value != 3 - m.degree_of_mobility:
+        return ""
+    if m.degree_of_mobility == 1:
+        return keyed(
+            "null_space.cross", ": N is the cross product of two independent rows, without common factors"
+        )
+    return keyed("null_space.row", ": both are orthogonal to the one independent row")
 
 
 def _meaning(d: Derivation, columns: Sequence[Row]) -> list[str]:

@@ -14,7 +14,9 @@ import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Words, argument, option, output, verb
 from wmrgen.cli.drives import DRIVES
+from wmrgen.cli.values import from_words
 from wmrgen.errors import Mark, UsageError
+from wmrgen.geometry.ports import Port, Role
 from wmrgen.robotfile.shipped import shipped
 from wmrgen.robotfile.text import (
     MAX_BYTES,
@@ -132,6 +134,7 @@ def _of_drive(
         if word != OPEN:
             tried = {each.name: each.example for each in drive.numbers} | {number: _as_yaml(word)}
             wmrgen.robot_of(read_text(drive.robot_file(name, said, tried), str(path)))
+            _refuse_length(number, word)
         return word
 
     for given, word in words.items():
@@ -193,6 +196,13 @@ def _copy(
     return text, degrees
 
 
+def _refuse_length(number: str, word: str) -> None:
+    """Raise UsageError if the value ``word`` of a number of a drive is not a length above 0."""
+    length = from_words([f"{number}={word}"], [Port(number, Role.GEOMETRY, "m")])[number]
+    if length <= 0:
+        raise UsageError(f"{number} = {quoted(word)} is not above 0. Write the measured length.")
+
+
 def _drive_name(name: str) -> str:
     """Return ``name`` if it is a kind of drive; raise UsageError otherwise."""
     if name not in DRIVES:
@@ -249,8 +259,10 @@ def _given_words(values: Sequence[str], names: Sequence[str], owner: str) -> dic
             what = (
                 f"{owner} has no parameter {quoted(name)}"
                 if equals
-                else f"{quoted(word)} is not PARAMETER=VALUE"
+                else f"{quoted(word)} is not NUMBER=VALUE"
             )
+            if name in names:
+                raise UsageError(f"{what}. Write {name} with its value, such as {name}=0.1.")
             raise UsageError(f"{what}. {suggestion(name, names) or 'It has none: edit the file.'}")
         words[name] = value
     return words

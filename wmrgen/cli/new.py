@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from wmrgen.robotfile.records import RobotSpec
 
 _PLAIN = re.compile(r"[\w.+*/() -]+")  # values that need no quotes anywhere in YAML
+_COMPLETE = "every number is given"
 _UNITS = "Lengths are in metres, angles in radians. A number may have a unit: 150 mm, 30 deg."
 
 
@@ -98,7 +99,8 @@ def new(
         console.data({"file": str(path), "name": name, key: origin, "files": files})
         return 0
     console.result(f"{' '.join(files)}: {said}")
-    console.note(f"Fill in what is missing. Then: wmrgen lint {path}; wmrgen derive {path}")
+    first = "" if said == _COMPLETE or start else "Write a number in place of each TODO. "
+    console.note(f"{first}Next: wmrgen lint {path}; wmrgen derive {path}")
     return 0
 
 
@@ -152,7 +154,7 @@ def _of_drive(
     picture = [f"# {line}".rstrip() for line in drive.picture.strip("\n").split("\n")]
     lines = [MODELINE, *_comment(head), *picture]
     text = "\n".join(lines) + "\n" + drive.robot_file(name, said, shown)
-    return text, f"open: {' '.join(missing)}" if missing else "every number is given"
+    return text, f"open: {' '.join(missing)}" if missing else _COMPLETE
 
 
 def _copy(

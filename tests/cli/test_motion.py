@@ -132,3 +132,8 @@ def test_inputs_of_two_kinds_and_wheel_speeds_are_refused(
 def test_gains_need_their_names(wmrgen_cli: Cli, words: list[str]) -> None:
     done = wmrgen_cli("gains", *words)
     assert done.code == 2 and "WMR112" in done.err and "k_rho=" in done.err
+
+
+def test_a_form_of_a_model_is_an_option(wmrgen_cli: Cli) -> None:
+    done = wmrgen_cli("model", ROOT / "robots" / "bicycle.yaml", "posture")
+    assert done.code == 2 and "--form posture" in done.err

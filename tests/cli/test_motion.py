@@ -108,3 +108,32 @@ def test_no_segments_and_a_wrong_unit_in_one(tmp_path: Path, wmrgen_cli: Cli) ->
 def test_beyond_a_double_is_no_bug(wmrgen_cli: Cli) -> None:
     done = wmrgen_cli("motion", PIONEER, "left=1e308", "--time", "1e308")
     assert (done.code, done.out) == (2, "") and "\nerror[WMR112]" in done.err
+
+
+def test_a_centre_that_only_the_steering_limits_refuse_is_not_blamed_on_fixed_wheels(wmrgen_cli: Cli) -> None:
+    """The centre (0, 3) m is on the rear axle of the car; atan(2.5/2.25) is more than its limit of 40 deg."""
+    car = ROOT / "robots" / "ackermann_car.yaml"
+    for words in (["icr.x=0", "icr.y=3"], ["vx=3", "omega=1"]):
+        said = wmrgen_cli("icr", car, *words).err
+        assert "front_left.steer" in said and "rear" not in said
+    said = wmrgen_cli("icr", car, "icr.x=1", "icr.y=9").err
+    assert "rear_left" in said and "front_left" not in said
+
+
+@pytest.mark.parametrize("words", [["vx=1", "front.steer=0.1"], ["icr.x=1", "vx=1"], ["left.spin=1"]])
+def test_inputs_of_two_kinds_and_wheel_speeds_are_refused(
+    car: Path, wmrgen_cli: Cli, words: list[str]
+) -> None:
+    done = wmrgen_cli("icr", car, *words)
+    assert done.code == 2 and "WMR112" in done.err and "there is no input" not in done.err
+
+
+@pytest.mark.parametrize("words", [["3", "8", "1.5"], ["k_rho"], ["k_rho=", "k_beta=-1"]])
+def test_gains_need_their_names(wmrgen_cli: Cli, words: list[str]) -> None:
+    done = wmrgen_cli("gains", *words)
+    assert done.code == 2 and "WMR112" in done.err and "k_rho=" in done.err
+
+
+def test_a_form_of_a_model_is_an_option(wmrgen_cli: Cli) -> None:
+    done = wmrgen_cli("model", ROOT / "robots" / "bicycle.yaml", "posture")
+    assert done.code == 2 and "--form posture" in done.err

@@ -276,3 +276,25 @@ def test_functions_are_those_that_can_be_derived(wmrgen_cli: Cli) -> None:
         lines[0].startswith("* inverse ")
         and [name for name in names() if not any(f" {name} " in x for x in lines)] == []
     )
+
+
+@pytest.mark.parametrize("value", ["0", "-3", "-30 cm", "30 deg", "0 mm"])
+def test_a_number_of_a_drive_is_a_length_above_0(wmrgen_cli: Cli, here: Path, value: str) -> None:
+    done = wmrgen_cli("new", "mine", "--drive", "differential", f"track={value}", "radius=0.1")
+    assert done.code == 2 and "track" in done.err and not (here / "mine.yaml").exists()
+
+
+def test_a_number_without_a_value_is_not_suggested_as_it_is(wmrgen_cli: Cli) -> None:
+    done = wmrgen_cli("new", "mine", "--drive", "differential", "radius")
+    assert done.code == 2 and "radius=" in done.err
+
+
+@pytest.mark.parametrize("word", ["unicycle", "unicycle.yaml"])
+def test_a_missing_file_with_the_name_of_a_robot_of_the_gallery(
+    wmrgen_cli: Cli, here: Path, word: str
+) -> None:
+    """What the message says to write makes the file."""
+    refused = wmrgen_cli("structure", word)
+    (advice,) = re.findall(r"`wmrgen ([^`]+)`", refused.err)
+    assert refused.code == 2 and wmrgen_cli(*advice.split()).code == 0
+    assert wmrgen_cli("structure", "unicycle.yaml").code == 0

@@ -129,6 +129,8 @@ def _report_usage_error(error: Any, as_json: bool) -> int:
         options = [name for p in params for name in p.opts if name.startswith("--")]
         hint = f" {suggestion(wrong, options)}" if wrong.startswith("--") else ""
         text = f"there is no option {quoted(wrong)}.{hint}"
+        if wrong[1:2].isdigit():
+            text += " Write a negative number after its name, as in vx=-1.5."
     if text.startswith("Usage:"):
         return console.failed(text, error.exit_code, as_json)
     text = " ".join(text.split())

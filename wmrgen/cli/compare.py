@@ -32,7 +32,7 @@ def compare(
     """Example:  wmrgen compare my_robot.urdf controllers.yaml
 
     Compare each file with the first one that has wheels: track, wheelbase, radius, signs, rollers, order, limits. For
-    a known controller, hold the command of each joint against the robot's inverse kinematics. Print how that robot
+    a known controller, compare the command of each joint with the robot's inverse kinematics. Print how that robot
     moves if it is commanded with the numbers of the other file. Lengths and rates within 0.2 % and angles within
     0.002 rad are equal. Exit code 1 if there are differences, 3 if the files have nothing in common.
     """

@@ -152,5 +152,7 @@ Math = Annotated[
 ]
 Target = Annotated[
     Literal["m4f", "m0", "avr", "host"],
-    option_with_default("Processor of the C. m4f has fused multiply-add; host is any processor with an FPU."),
+    option_with_default(
+        "Processor of the C. m4f: FPU with fused multiply-add; host: any FPU; m0: no FPU; avr: AVR."
+    ),
 ]

@@ -46,6 +46,9 @@ def functions(robot: Robot, as_json: Json = False) -> int:
     width = max(map(len, names()))
     for f in formulas:
         console.result(f"{'*' if f.name in generated else ' '} {f.name:<{width}}  {f.text}")
+    console.note(
+        "* is generated. List others under functions: in the robot file, or compute them by wmrgen eval."
+    )
     if absent:
         console.result("\nIt does not have:")
     for name, why in absent.items():

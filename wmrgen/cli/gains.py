@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,6 +13,8 @@ from wmrgen.cli.values import from_words
 from wmrgen.errors import UsageError
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.ports import Port, Role
+from wmrgen.robotfile.numbers import NUMBER
+from wmrgen.robotfile.text import quoted
 
 if TYPE_CHECKING:
     from wmrgen.functions.control.gains import Verdict
@@ -35,11 +38,18 @@ def gains(
 
     Check the gains of the polar feedback law of goto_pose: whether it is stable near the goal, and from which poses,
     with the violated conditions and the eigenvalues (Siegwart (3.60)-(3.65), corrected). The decision is exact.
+
+    strong_3_65: a goal in front stays in front if |beta| is at most 150 deg; strong_all_beta: at every beta.
     """
     from wmrgen.functions.control.gains import TEXTBOOK, judge, linearisation, nominal_gains, polynomial
 
     words = values or ()
     chosen = dict(TEXTBOOK)
+    for word in words:
+        if "=" not in word and (word in chosen or re.fullmatch(rf"[+-]?{NUMBER}", word)):
+            raise UsageError(
+                f"{quoted(word)} is not NAME=VALUE. Write gains as {' '.join(f'{n}=1' for n in chosen)}."
+            )
     if words and "=" not in words[0]:
         chosen, words = nominal_gains(wmrgen.load(Path(words[0]))), words[1:]
     chosen |= from_words(words, [Port(name, Role.COMMAND, "1/s") for name in chosen])

@@ -17,6 +17,8 @@ from wmrgen.geometry.ports import TWIST_NAMES
 
 if TYPE_CHECKING:
     from wmrgen.derivation.facade import Derivation
+    from wmrgen.geometry.exact.number import Exact
+    from wmrgen.geometry.layout.records import Robot as Loaded
 
 _STANDSTILL, _AT_INFINITY = "none: standstill", "at infinity"  # in place of the coordinates of a centre
 _UNITS = {
@@ -56,6 +58,7 @@ def icr(
     with derived(robot, []) as derivation:
         words = with_joints(values, derivation.robot, "steer")
         names = [word.partition("=")[0].strip() for word in words]
+        _refuse_mixture(names)
         if any(n.startswith("icr.") for n in names):
             result = _steering(derivation, words)
         elif any(n.endswith(".steer") for n in names):
@@ -73,6 +76,20 @@ def icr(
         for name, facts in wheels.items():
             console.result(f"{name}: " + ", ".join(f"{k} {v!r} {_unit(k)}" for k, v in facts.items()))
     return 0
+
+
+def _refuse_mixture(names: Sequence[str]) -> None:
+    """Raise UsageError if there are inputs of two kinds, or speeds of wheels."""
+    kinds = {
+        "a twist": [n for n in names if n in TWIST_NAMES],
+        "steering angles": [n for n in names if n.endswith(".steer")],
+        "a centre": [n for n in names if n.startswith("icr.")],
+    }
+    given = [kind for kind, inputs in kinds.items() if inputs]
+    if len(given) > 1:
+        raise UsageError(f"the inputs are {' and '.join(given)}. Give one of them.")
+    if any(n.endswith(".spin") for n in names):
+        raise UsageError("wheel speeds are no input of icr. `wmrgen motion` takes them.")
 
 
 def _sentence(result: Mapping[str, Any]) -> str:
@@ -104,9 +121,13 @@ def _twist(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     values = from_words(words, derivation.formula("icr").inputs, derivation.robot)
     centre = rounded(derivation.evaluate("icr", values))
     twist = {k: v for k, v in values.items() if k in TWIST_NAMES}
-    slip = float(derivation.evaluate("inverse", twist)["slip"])
+    moved = derivation.evaluate("inverse", twist)
+    slip = float(moved["slip"])
     if slip > SLIDES:
-        console.note(f"{derivation.robot.name}: the wheels forbid this twist: slip = {slip:.6g} m/s")
+        reason = _obstacle(derivation.robot, twist, moved)
+        console.note(
+            f"{derivation.robot.name}: wheels slide at this twist, because {reason}: slip = {slip:.6g} m/s"
+        )
     result = _centre(centre)
     if any(k.startswith("point.") for k in values):
         result["point_velocity"] = [centre["point.vx"], centre["point.vy"]]
@@ -122,13 +143,40 @@ def _steering(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     angles = derivation.evaluate("steer_to", values)
     parameters = {k: v for k, v in values.items() if not k.startswith("icr.")}
     about_it = {"vx": y, "vy": -x, "omega": w}  # a twist about the point
-    slip = float(derivation.evaluate("inverse", parameters | about_it)["slip"])
-    if slip > SLIDES * max(1.0, float(abs(x)), float(abs(y)), float(abs(w))):
+    moved = derivation.evaluate("inverse", parameters | about_it)
+    if float(moved["slip"]) > SLIDES * max(1.0, float(abs(x)), float(abs(y)), float(abs(w))):
         console.note(
-            f"{derivation.robot.name}: the axles cannot meet there, because those of the fixed wheels do not move; the "
-            "angles are those of the nearest possible motion"
+            f"{derivation.robot.name}: the axles cannot meet there, because "
+            f"{_obstacle(derivation.robot, about_it, moved)}; the angles are those of the nearest possible motion"
         )
     return rounded(angles)
+
+
+def _obstacle(robot: Loaded, twist: Mapping[str, Exact], moved: Mapping[str, Exact]) -> str:
+    """Return why wheels slide at a twist, in words.
+
+    Args:
+        robot: The robot.
+        twist: Its twist [m/s, rad/s] by name; names that are missing are 0.
+        moved: The results of `inverse` at this twist.
+    """
+    from wmrgen.functions.motion.icr import sideways_speeds
+
+    speeds = [float(twist.get(name, ZERO)) for name in TWIST_NAMES]
+    size = SLIDES * max(1.0, *map(abs, speeds))
+    sliding = [name for name, speed in sideways_speeds(robot, speeds).items() if abs(speed) > size]
+    if sliding:
+        return f"the fixed axles of {', '.join(sliding)} miss the centre of rotation"
+    at_limit = [name for name, angle in moved.items() if _is_at_limit(robot, name, float(angle))]
+    if at_limit:
+        return f"the limits of {' and '.join(at_limit)} are too small"
+    return "its joints are coupled"
+
+
+def _is_at_limit(robot: Loaded, name: str, angle: float) -> bool:
+    """Return whether a steering angle [rad] is at one of its limits."""
+    limits = robot.limit_of(name) if name.endswith(".steer") else None
+    return limits is not None and any(abs(angle - float(limit)) <= SLIDES for limit in limits[:2])
 
 
 def _axles(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:

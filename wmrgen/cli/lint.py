@@ -52,7 +52,8 @@ def lint(
                     continue  # the robot before it is probably the one that cannot be read
                 else:
                     raise UsageError(
-                        f"{layout.source} has no robot before it: give a robot file or description first"
+                        f"{layout.source} has parameters of a controller, and no robot before it to compare them "
+                        "with. Give a robot file or description first. A robot file begins with wmrgen: 1."
                     )
                 findings += found
                 not_compared += skipped

@@ -14,6 +14,7 @@ from wmrgen.cli.values import from_words
 from wmrgen.errors import UsageError
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.ports import Port, Role
+from wmrgen.robotfile.text import quoted
 
 if TYPE_CHECKING:
     from wmrgen.derivation.facade import Derivation
@@ -54,6 +55,9 @@ def model(
     """
     from wmrgen.functions.models.state_space import default_form
 
+    for word in values or ():
+        if "=" not in word:
+            raise UsageError(f"{quoted(word)} is not NAME=VALUE. A form is an option: --form posture.")
     if discrete is None and (dt or out or values):
         raise UsageError("--dt, -o and values are for the step of --discrete. Write --discrete rk4 too.")
     if as_latex and (as_json or discrete is not None):

@@ -14,7 +14,9 @@ import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Words, argument, option, output, verb
 from wmrgen.cli.drives import DRIVES
+from wmrgen.cli.values import from_words
 from wmrgen.errors import Mark, UsageError
+from wmrgen.geometry.ports import Port, Role
 from wmrgen.robotfile.shipped import shipped
 from wmrgen.robotfile.text import (
     MAX_BYTES,
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
     from wmrgen.robotfile.records import RobotSpec
 
 _PLAIN = re.compile(r"[\w.+*/() -]+")  # values that need no quotes anywhere in YAML
+_COMPLETE = "every number is given"
 _UNITS = "Lengths are in metres, angles in radians. A number may have a unit: 150 mm, 30 deg."
 
 
@@ -96,7 +99,8 @@ def new(
         console.data({"file": str(path), "name": name, key: origin, "files": files})
         return 0
     console.result(f"{' '.join(files)}: {said}")
-    console.note(f"Fill in what is missing. Then: wmrgen lint {path}; wmrgen derive {path}")
+    first = "" if said == _COMPLETE or start else "Write a number in place of each TODO. "
+    console.note(f"{first}Next: wmrgen lint {path}; wmrgen derive {path}")
     return 0
 
 
@@ -132,6 +136,7 @@ def _of_drive(
         if word != OPEN:
             tried = {each.name: each.example for each in drive.numbers} | {number: _as_yaml(word)}
             wmrgen.robot_of(read_text(drive.robot_file(name, said, tried), str(path)))
+            _refuse_length(number, word)
         return word
 
     for given, word in words.items():
@@ -149,7 +154,7 @@ def _of_drive(
     picture = [f"# {line}".rstrip() for line in drive.picture.strip("\n").split("\n")]
     lines = [MODELINE, *_comment(head), *picture]
     text = "\n".join(lines) + "\n" + drive.robot_file(name, said, shown)
-    return text, f"open: {' '.join(missing)}" if missing else "every number is given"
+    return text, f"open: {' '.join(missing)}" if missing else _COMPLETE
 
 
 def _copy(
@@ -191,6 +196,13 @@ def _copy(
         )
     degrees = f"mobility {mobility.degree_of_mobility}, steerability {mobility.degree_of_steerability}"
     return text, degrees
+
+
+def _refuse_length(number: str, word: str) -> None:
+    """Raise UsageError if the value ``word`` of a number of a drive is not a length above 0."""
+    length = from_words([f"{number}={word}"], [Port(number, Role.GEOMETRY, "m")])[number]
+    if length <= 0:
+        raise UsageError(f"{number} = {quoted(word)} is not above 0. Write the measured length.")
 
 
 def _drive_name(name: str) -> str:
@@ -249,8 +261,10 @@ def _given_words(values: Sequence[str], names: Sequence[str], owner: str) -> dic
             what = (
                 f"{owner} has no parameter {quoted(name)}"
                 if equals
-                else f"{quoted(word)} is not PARAMETER=VALUE"
+                else f"{quoted(word)} is not NUMBER=VALUE"
             )
+            if name in names:
+                raise UsageError(f"{what}. Write {name} with its value, such as {name}=0.1.")
             raise UsageError(f"{what}. {suggestion(name, names) or 'It has none: edit the file.'}")
         words[name] = value
     return words

@@ -217,6 +217,8 @@ def _unsigned_zero(text: str, port: Port, place: str) -> Exact:
     from wmrgen.robotfile.quantities import read_quantity
 
     what = f"{place}{port.name}"
+    if not text.strip():
+        raise UsageError(f"{what} has no value. Write a number, such as {port.name}=0.5.")
     text = _without_unit(text, port, what)
     if _PLAIN.fullmatch(text):
         value = Fraction(text)

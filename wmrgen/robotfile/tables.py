@@ -28,6 +28,7 @@ from wmrgen.robotfile.text import (
 )
 
 _NO_ITEMS = ("none", "no", "false", "off")  # words that people write for an empty list
+_EVERY_ITEM = ("true", "yes", "on", "all", "both")  # in place of a list: every item, whatever they are
 _YES_AND_NO = {
     **dict.fromkeys(("yes", "y", "on", "1"), "Write true."),
     **dict.fromkeys(("no", "n", "off", "0"), "Write false."),
@@ -187,7 +188,7 @@ def _list_for(node: Node, value: ListOf) -> str:
     text = node.text if isinstance(node, Scalar) and isinstance(value.item, OneOf) else ""
     if text.lower() in _NO_ITEMS:
         return "[]"
-    if text.lower() != "true" and re.fullmatch(r"[A-Za-z][\w.]*( *, *[A-Za-z][\w.]*)*", text):
+    if text.lower() not in _EVERY_ITEM and re.fullmatch(r"[A-Za-z][\w.]*( *, *[A-Za-z][\w.]*)*", text):
         return f"[{text}]"
     return value.example
 

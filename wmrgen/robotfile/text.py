@@ -289,9 +289,10 @@ def bytes_of(path: str | Path, limit: int) -> bytes:
     except FileNotFoundError:
         what, instead = "no such file", "Give the path of a file."
         name = Path(path).stem
+        copy = Path(path) if Path(path).suffix else Path(f"{path}.yaml")  # a name is a file of this name
         robots = shipped("robots")
-        if any((folder / Path(path).name).is_file() for folder in (robots, robots / "texts")):
-            instead = f"`wmrgen new {name} --from {name} -o {printable(str(path))}` copies the robot of the gallery."
+        if any((folder / copy.name).is_file() for folder in (robots, robots / "texts")):
+            instead = f"`wmrgen new {name} --from {name} -o {printable(str(copy))}` copies the robot of the gallery."
     except IsADirectoryError:
         what, instead = "is a directory", "Give the path of a file in it."
     except (OSError, ValueError) as error:

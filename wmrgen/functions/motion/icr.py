@@ -14,7 +14,7 @@ to the motion.
 from __future__ import annotations
 
 import cmath
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -142,6 +142,15 @@ def axle_distances(robot: Robot, steer: Mapping[str, float], point: tuple[float,
             b, a, k = _row(w, steer)  # (-s, c, x c + y s)
             distances[w.name] = abs(float(a * point[0] - b * point[1] - k))
     return distances
+
+
+def sideways_speeds(robot: Robot, twist: Sequence[float]) -> dict[str, float]:
+    """Return how fast a twist (vx, vy, omega) moves each fixed wheel along its axle [m/s], by wheel name."""
+    speeds = {}
+    for w in robot.wheels:
+        if w.kind.constrains and not w.kind.steers:
+            speeds[w.name] = float(_row(w, {}) @ np.asarray(twist))
+    return speeds
 
 
 def _row(w: Wheel, steer: Mapping[str, float]) -> Array:

@@ -12,7 +12,7 @@ from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Robot, Words, argument, option, option_with_default, robot_files, verb
 from wmrgen.cli.loading import derived
 from wmrgen.cli.motion import planned
-from wmrgen.cli.values import from_words, with_joints
+from wmrgen.cli.values import from_option, from_words, with_joints
 from wmrgen.errors import UsageError
 from wmrgen.geometry.exact.number import ZERO, Exact
 from wmrgen.geometry.ports import POSE, TWIST, Port, Role
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _TIME = Port("time", Role.COMMAND, "s")
 _STEP = Port("step", Role.COMMAND, "s")
 _SPEED = Port("speed", Role.COMMAND, "m/s")
-_RADIUS = Port("radius", Role.COMMAND, "m")
+_RADIUS = 1.0  # m: of the circle of starts around the goal
 _PATIENCE = 60.0  # s: a robot that has not reached its goal by then gives up
 _CRUISE = "0.5"  # m/s, as a user writes it: walking pace of an indoor robot
 _MOST_STARTS = 64  # more paths are not visible in one picture
@@ -157,35 +157,26 @@ def _check(course: Course) -> None:
 # ---- Words to numbers.
 
 
-def _numbers(text: str, ports: Sequence[Port], what: str) -> tuple[float, ...]:
-    """Return numbers separated by commas, with units if the user writes them."""
-    parts = text.split(",")
-    if len(parts) != len(ports):
-        names = ",".join(port.name.upper() for port in ports)
-        raise UsageError(
-            f"{what} {text[:60]!r} has {len(parts)} values, not {len(ports)}. Write {what} {names}."
-        )
-    words = [f"{port.name}={part.strip()}" for port, part in zip(ports, parts, strict=True)]
-    case = from_words(words, ports)
-    return tuple(float(case[port.name]) for port in ports)
+def _numbers(option: str, text: str, ports: Sequence[Port]) -> tuple[float, ...]:
+    """Return the numbers of an option as floats, in SI units; see `from_option`."""
+    return tuple(map(float, from_option(option, text, ports)))
 
 
-def _number(text: str, port: Port, positive: bool = True, what: str = "") -> float:
-    """Return a number of an option.
+def _number(option: str, text: str, port: Port, positive: bool = True) -> float:
+    """Return the number of an option.
 
     Args:
+        option: The option, as messages name it.
         text: The number, with a unit if the user writes it.
         port: What the number is.
         positive: Whether it must be above 0.
-        what: What messages call it; "" for the option of the name of ``port``.
 
     Returns:
         The number in SI units.
     """
-    what = what or f"--{port.name}"
-    (value,) = _numbers(text, [port], what)
+    (value,) = _numbers(option, text, [port])
     if positive and value <= 0:
-        raise UsageError(f"{what} must be above 0")
+        raise UsageError(f"{option} {text[:60]!r}: the value must be above 0")
     return value
 
 
@@ -196,7 +187,7 @@ def _starts(course: Course) -> Reals:
     if course.start is None:
         return np.zeros((1, 3))
     if not course.start.startswith("circle"):
-        return np.array([_numbers(course.start, POSE, "--from")])
+        return np.array([_numbers("--from", course.start, POSE)])
     word, *rest = course.start.split(":")
     if (
         word != "circle"
@@ -207,12 +198,21 @@ def _starts(course: Course) -> Reals:
         raise UsageError(
             f"--from {course.start[:60]!r}: write circle:8, with 1 to {_MOST_STARTS} poses, or circle:8:2."
         )
-    radius = _number(rest[1], _RADIUS, what="the radius of --from circle:N:RADIUS") if len(rest) == 2 else 1.0
-    x, y, theta = _numbers(course.goal or "", POSE, "--goal")
+    radius = _RADIUS if len(rest) < 2 else _radius(course.start, rest[1])
+    x, y, theta = _numbers("--goal", course.goal or "", POSE)
     angles = theta + 2 * np.pi * np.arange(int(rest[0])) / int(rest[0])
     return np.stack(
         [x + radius * np.cos(angles), y + radius * np.sin(angles), np.full(len(angles), theta)], axis=-1
     )
+
+
+def _radius(start: str, text: str) -> float:
+    """Return the radius [m] of ``circle:N:RADIUS``, which is ``text`` in ``start``."""
+    circle = start.removesuffix(text)
+    (radius,) = from_option(f"--from {circle}RADIUS", text, [Port("radius", Role.COMMAND, "m")], circle)
+    if radius <= 0:
+        raise UsageError(f"--from {start[:60]!r}: the radius must be above 0. Write {circle}1.")
+    return float(radius)
 
 
 def _angles(words: Sequence[str], derivations: Sequence[Derivation]) -> list[dict[str, float]]:
@@ -271,7 +271,7 @@ def _source(course: Course, model: Model, poses: Reals, angles: Mapping[str, flo
     from wmrgen.tools.simulating.sources import GoToPose, Pursue, Recorded, Segments
     from wmrgen.tools.simulating.table import read_table
 
-    step = _number(course.step, _STEP)
+    step = _number("--step", course.step, _STEP)
     if course.table is not None:
         data = bytes_of(course.table, _LARGEST + 1)
         if len(data) > _LARGEST:
@@ -279,11 +279,11 @@ def _source(course: Course, model: Model, poses: Reals, angles: Mapping[str, flo
         text = data.decode("utf-8-sig", errors="replace")
         return Recorded(read_table(text, course.table, model.derivation), step)
     if course.goal is not None:
-        time = _PATIENCE if course.time is None else _number(course.time, _TIME)
-        x, y, theta = _numbers(course.goal, POSE, "--goal")
+        time = _PATIENCE if course.time is None else _number("--time", course.time, _TIME)
+        x, y, theta = _numbers("--goal", course.goal, POSE)
         if course.law == "goto_pose":
             return GoToPose((x, y, theta), step, time)
-        speed = _number(_CRUISE if course.speed is None else course.speed, _SPEED, positive=False)
+        speed = _number("--speed", _CRUISE if course.speed is None else course.speed, _SPEED, positive=False)
         if not speed:
             raise UsageError("--speed must not be 0")
         return Pursue((x, y), speed, step, time)
@@ -299,8 +299,8 @@ def _constant(course: Course, derivation: Derivation, words: Sequence[str]) -> l
     from wmrgen.functions.motion.segments import Phase, Segment, plan
 
     robot = derivation.robot
-    a, b, c = (Exact(Fraction(value)) for value in _numbers(course.twist or "", TWIST, "--twist"))
-    dt = Exact(Fraction(_number(course.time or "", _TIME)))
+    a, b, c = (Exact(Fraction(value)) for value in _numbers("--twist", course.twist or "", TWIST))
+    dt = Exact(Fraction(_number("--time", course.time or "", _TIME)))
     values = from_words(
         words, [*POSE, *(Port(f"{w.name}.steer", Role.STATE, "rad") for w in robot.wheels if w.turns)]
     )
@@ -393,7 +393,7 @@ def _write(
         return
     goal = None
     if course.goal is not None:
-        x, y, _ = _numbers(course.goal, POSE, "--goal")
+        x, y, _ = _numbers("--goal", course.goal, POSE)
         goal = (x, y)
     drawn = picture(drives, goal)
     if svg is not None:

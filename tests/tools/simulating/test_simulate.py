@@ -396,6 +396,9 @@ BAD: Mapping[str, Sequence[str]] = {
     "time of a table": ["inputs.csv", "--time", "2"],
     "speed without pursuit": ["--goal", "1,0,0", "--speed", "0.5"],
     "speed of a twist": ["--twist", "1,0,0", "--time", "1", "--speed", "0.5"],
+    "circle of no radius": ["--goal", "0,0,0", "--from", "circle:8:"],
+    "circle of a wrong radius": ["--goal", "0,0,0", "--from", "circle:8:2 deg"],
+    "time in metres": ["--twist", "1,0,0", "--time", "1 m"],
     "circle of radius 0": ["--goal", "0,0,0", "--from", "circle:8:0"],
 }
 

@@ -29,6 +29,7 @@ _STEP = Port("step", Role.COMMAND, "s")
 _SPEED = Port("speed", Role.COMMAND, "m/s")
 _RADIUS = 1.0  # m: of the circle of starts around the goal
 _PATIENCE = 60.0  # s: a robot that has not reached its goal by then gives up
+_USUAL_STEP = "0.01"  # s, as a user writes it: firmware computes a control law at 100 Hz
 _CRUISE = "0.5"  # m/s, as a user writes it: walking pace of an indoor robot
 _MOST_STARTS = 64  # more paths are not visible in one picture
 _LARGEST = 16 << 20  # bytes of a CSV file: an hour at 50 Hz
@@ -86,7 +87,7 @@ def simulate(
     ] = None,
     step: Annotated[
         str, option_with_default("The longest step [s]; a control law computes once in a step.", "T")
-    ] = "0.01",
+    ] = _USUAL_STEP,
     compare: Annotated[
         Path | None, option("Another robot on the same course.", "ROBOT.yaml", completion=robot_files)
     ] = None,
@@ -99,7 +100,8 @@ def simulate(
 ) -> int:
     """Example:  wmrgen simulate robots/pioneer3dx.yaml --goal 0,0,0 --from circle:8 --svg drive.svg
 
-    Simulate a drive: print the pose at its end, and write it as CSV, as an animated picture or as a page. The pose
+    Simulate a drive: print the pose at its end, and write it as CSV, as an animated picture or as a page. Exit code 1
+    if a robot does not reach its --goal. The pose
     moves by exact steps of constant twist; castors and trailers follow by the rates of the model. The motion is
     kinematic: the robot has the commanded velocity at once, and steered wheels turn at once unless they wait for
     segments.
@@ -125,7 +127,7 @@ def simulate(
     else:
         for line in _table(drives):
             console.result(line)
-    return 0
+    return 0 if all(map(_reached, drives)) else 1
 
 
 def _check(course: Course) -> None:
@@ -331,13 +333,14 @@ def _remarks(drive: Drive, course: Course) -> list[str]:
         remarks.append(
             f"beyond the limits of the robot file: {', '.join(beyond)}. The simulation does not clip them."
         )
-    limited = [
-        w for w in drive.model.robot.wheels if w.kind.steers and drive.model.robot.limit(w, "steer_rate")
-    ]
-    if limited and (course.goal is not None or course.table is not None):
+    if drive.limited_by:
+        functions = " and ".join(drive.limited_by)
         remarks.append(
-            f"{limited[0].name} turns to each command at once: its limit of steer_rate is not simulated"
+            f"the law's commands exceeded limits of the robot file. {functions} reduced them, as in firmware"
         )
+    rates = _limits_of_rates(drive.model.robot) if course.goal is not None or course.table is not None else []
+    if rates:
+        remarks.append(f"the commands take effect at once: limits of {', '.join(rates)} are not simulated")
     if drive.arrived is not None:
         late = int(np.count_nonzero(np.isnan(drive.arrived)))
         if late:
@@ -346,8 +349,31 @@ def _remarks(drive: Drive, course: Course) -> list[str]:
                 if drive.starts == 1
                 else f"{late} of {drive.starts} starts did not reach the goal"
             )
-            remarks.append(f"{which} within {float(drive.t.max()):.6g} s")
+            remarks.append(f"{which} within {float(drive.t.max()):.6g} s{_advice(course)}")
     return remarks
+
+
+def _reached(drive: Drive) -> bool:
+    """Return whether every start has reached the goal, if there is one."""
+    import numpy as np
+
+    return drive.arrived is None or not np.isnan(drive.arrived).any()
+
+
+def _limits_of_rates(robot: Loaded) -> list[str]:
+    """Return the limits of acceleration and of steering rates that the robot file has."""
+    names = [name for name in ("vx_rate", "vy_rate", "omega_rate") if robot.limits.get(name)]
+    for name in ("spin_rate", "steer_rate", "steer_acceleration"):
+        if any(robot.limit(w, name) for w in robot.wheels if w.commands(name.partition("_")[0])):
+            names.append(name)
+    return names
+
+
+def _advice(course: Course) -> str:
+    """Return the end of the sentence about a goal that was not reached, with what may help."""
+    if _number("--step", course.step, _STEP) <= float(_USUAL_STEP):
+        return ""
+    return f". The law is computed once in {course.step} s: try a smaller --step, such as {_USUAL_STEP}"
 
 
 def _beyond(drive: Drive) -> list[str]:

@@ -32,6 +32,7 @@ _PATIENCE = 60.0  # s: a robot that has not reached its goal by then gives up
 _USUAL_STEP = "0.01"  # s, as a user writes it: firmware computes a control law at 100 Hz
 _CRUISE = "0.5"  # m/s, as a user writes it: walking pace of an indoor robot
 _MOST_STARTS = 64  # more paths are not visible in one picture
+_HUGE = 1e9  # m or rad: no robot gets there, and more digits make the table wide
 _LARGEST = 16 << 20  # bytes of a CSV file: an hour at 50 Hz
 _POSE = ("x", "y", "theta")
 _FUNCTIONS = ("inverse", "forward", "odometry", "odometry_increment")
@@ -338,6 +339,8 @@ def _remarks(drive: Drive, course: Course) -> list[str]:
         remarks.append(
             f"the law's commands exceeded limits of the robot file. {functions} reduced them, as in firmware"
         )
+    if not any(w.actuated for w in drive.model.robot.wheels):
+        remarks.append("no wheel is driven: the robot moves as if it were pushed")
     rates = _limits_of_rates(drive.model.robot) if course.goal is not None or course.table is not None else []
     if rates:
         remarks.append(f"the commands take effect at once: limits of {', '.join(rates)} are not simulated")
@@ -484,5 +487,5 @@ def _table(drives: Sequence[Drive]) -> list[str]:
 
 
 def _rounded(value: float) -> str:
-    """Return a number of the table, in tenths of a millimetre or of a milliradian."""
-    return f"{round(value, 4) + 0.0:.4f}"
+    """Return a number of the table, in tenths of a millimetre or of a milliradian; a huge one with few digits."""
+    return f"{value:.4e}" if abs(value) >= _HUGE else f"{round(value, 4) + 0.0:.4f}"

@@ -15,6 +15,7 @@ from distributed import LocalCluster
 
 from tests.conftest import ROOT, command_line
 from tests.report.figures.words import mistakes
+from wmrgen.tools.designs.figures import _COUNTED
 
 pytestmark = pytest.mark.slow
 
@@ -118,6 +119,20 @@ def test_a_sweep_is_a_grid(pair: Path) -> None:
     assert [(d["half"], d["r"]) for d in found] == [(h, r) for h in (0.1, 0.2, 0.3) for r in (0.04, 0.06)]
     for design in found:
         assert design["omega_max"] == pytest.approx(10 * design["r"] / design["half"])
+
+
+@pytest.mark.parametrize("words", [("r", "0.03", "0.05"), ("shift", "-0.1", "0.1")])
+def test_operations_of_a_sweep_are_those_of_each_design(words: tuple[str, str, str], pair: Path) -> None:
+    """``r`` is tunable: its formulas are counted once. ``shift`` is a number of the formulas; 0 saves products."""
+    name, low, high = words
+    pair.write_text(PAIR.replace("{half: 0.2,", "{half: 0.2, shift: 0.1,").replace("x: 0,", "x: shift,"))
+    found = run(pair, "--vary", f"{name}={low}:{high}:3", "--workers", "1")["designs"]
+    alone = []
+    for value in (facts[name] for facts in found):
+        _COUNTED.clear()
+        alone.append(run(pair, "--vary", f"{name}={value}:{value}:1")["designs"][0]["operations"])
+    assert [facts["operations"] for facts in found] == alone
+    assert (len(set(alone)) > 1) == (name == "shift")
 
 
 def test_an_impossible_design_ends_no_sweep(pair: Path) -> None:

@@ -24,7 +24,7 @@ _CHANGED = 1e-9  # relative: smaller changes are rounding errors
 
 
 class Limiter:
-    """The functions of a robot that limit commands: those of `FUNCTIONS` that it can have."""
+    """The functions of `FUNCTIONS` that a robot can have."""
 
     def __init__(self, model: Model) -> None:
         """Take the robot."""

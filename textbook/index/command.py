@@ -12,7 +12,9 @@ from textbook.index.search import Found, find, parsed
 from wmrgen.cli import console
 from wmrgen.errors import UsageError
 
-EXAMPLES = '"2.75", "Siegwart 3.19", "Table 2.1", "Figure 3.15", "Exercise 3.7.1" or "Piaggio"'
+EXAMPLES = (
+    '"2.75", "(3.12)-(3.13)", "Siegwart 3.19", "Table 2.1", "Figure 3.15", "Exercise 3.7.1" or "Piaggio"'
+)
 
 
 def run(query: str, as_json: bool) -> int:

@@ -69,7 +69,7 @@ def parsed(text: str) -> Query:
     kind = ""
     ranges: list[tuple[Number, Number]] = []
     for word in _HYPHEN.sub("-", text).split():
-        plain = word.strip(".,:;()").lower()
+        plain = word.strip(".,:;()-").lower()
         named = [name for name in TEXTS if name.lower().startswith(plain)] if len(plain) > 3 else []
         kinds = [kind for start, kind in _KIND_WORDS.items() if plain.startswith(start)]
         ends = _range(plain)
@@ -96,6 +96,8 @@ def _range(word: str) -> tuple[Number, Number] | None:
         return None
     first, last = (tuple(int(n) for n in part[1].split(".")) for part in (parts[0], parts[-1]))
     last = (*first[: len(first) - len(last)], *last)
+    if first[:-1] != last[:-1]:
+        return None
     return min(first, last), max(first, last)
 
 

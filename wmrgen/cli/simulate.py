@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 _TIME = Port("time", Role.COMMAND, "s")
 _STEP = Port("step", Role.COMMAND, "s")
 _SPEED = Port("speed", Role.COMMAND, "m/s")
-_RADIUS = 1.0  # m: of the circle of starts around the goal
 _PATIENCE = 60.0  # s: a robot that has not reached its goal by then gives up
 _USUAL_STEP = "0.01"  # s, as a user writes it: firmware computes a control law at 100 Hz
 _CRUISE = "0.5"  # m/s, as a user writes it: walking pace of an indoor robot
@@ -201,7 +200,7 @@ def _starts(course: Course) -> Reals:
         raise UsageError(
             f"--from {course.start[:60]!r}: write circle:8, with 1 to {_MOST_STARTS} poses, or circle:8:2."
         )
-    radius = _RADIUS if len(rest) < 2 else _radius(course.start, rest[1])
+    radius = 1.0 if len(rest) < 2 else _radius(course.start, rest[1])
     x, y, theta = _numbers("--goal", course.goal or "", POSE)
     angles = theta + 2 * np.pi * np.arange(int(rest[0])) / int(rest[0])
     return np.stack(

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from wmrgen.analysis.mobility.basis import NEGLIGIBLE
 from wmrgen.derivation.facade import Derivation
 from wmrgen.errors import NotDerivableError
 from wmrgen.geometry.exact.number import ZERO
@@ -20,7 +21,6 @@ from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.tools.simulating.model import Model, Twist, Values
 
 FUNCTIONS = ("limit_twist", "desaturate")
-_CHANGED = 1e-9  # relative: smaller changes are rounding errors
 
 
 class Limiter:
@@ -56,7 +56,7 @@ class Limiter:
             values = {name: scale * values[name] for name in TWIST_NAMES}
         after = tuple(values[name] for name in TWIST_NAMES)
         for new, old in zip(after, twist, strict=True):
-            self.acted |= bool((np.abs(new - old) > _CHANGED * np.maximum(1.0, np.abs(old))).any())
+            self.acted |= bool((np.abs(new - old) > NEGLIGIBLE * np.maximum(1.0, np.abs(old))).any())
         return after[0], after[1], after[2]
 
 

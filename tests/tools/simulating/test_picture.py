@@ -144,6 +144,18 @@ def test_no_word_is_cut_or_covered(words: list[object], tmp_path: Path) -> None:
     assert mistakes(path.read_text(encoding="utf-8"), tmp_path) == []
 
 
+def test_long_names_of_two_robots_are_in_two_rows(tmp_path: Path) -> None:
+    text = PIONEER.read_text(encoding="utf-8")
+    paths = [tmp_path / f"{k}.yaml" for k in (1, 2)]
+    for k, path in enumerate(paths):
+        path.write_text(text.replace("name: pioneer3dx", f"name: a_very_long_name_of_a_robot_nr{k}"))
+    path = tmp_path / "drive.svg"
+    done = command_line(
+        "simulate", paths[0], "--compare", paths[1], "--twist", "1,0,0", "--time", "1", "--svg", path
+    )
+    assert done.code == 0 and mistakes(path.read_text(encoding="utf-8"), tmp_path) == []
+
+
 def test_joints_of_several_starts_are_those_of_the_first(tmp_path: Path) -> None:
     titles = []
     for start in ("1,0,0", "circle:3"):

@@ -167,12 +167,17 @@ def _names(runs: Sequence[Run], paper: Paper) -> list[str]:
     drives = {run.number: run for run in reversed(runs)}
     if len(drives) < 2:
         return []
-    elements, x = [], _PATH[2]
+    sizes = [width(run.drive.name) + 40 for run in drives.values()]  # with the line and two gaps
+    rows = sum(sizes) > (_PATH[2] - _PATH[0]) / 2  # the title takes the other half
+    elements: list[str] = []
+    x, y = _PATH[2], 16.0
     for run in (drives[number] for number in sorted(drives, reverse=True)):
+        if rows and elements:
+            x, y = _PATH[2], y + _ROW
         x -= width(run.drive.name) + 4
-        elements.append(paper.write((x, 16.0), run.drive.name))
+        elements.append(paper.write((x, y), run.drive.name))
         x -= 26
-        elements.append(_line([(x, 12.0), (x + 22, 12.0)], run))
+        elements.append(_line([(x, y - 4), (x + 22, y - 4)], run))
         x -= 10
     return elements
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 import pytest
 
-from wmrgen.cli.values import from_words
+from wmrgen.cli.values import from_option, from_words
 from wmrgen.errors import UsageError
 from wmrgen.geometry.exact.number import Exact
 from wmrgen.geometry.ports import Port, Role
@@ -63,3 +64,42 @@ def test_a_word_is_no_number_and_cannot_be_declared(unit: str) -> None:
         read("fast", unit)
     assert "'fast'" in caught.value.what and f"q='0.5 {unit}'" in caught.value.what
     assert "parameters:" not in caught.value.what
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("500 ms", "s", Fraction(1, 2)),
+        ("2 deg/s^2", "rad/s^2", None),
+        ("3 m/s^2", "m/s^2", 3),
+        ("7ms", "s", Fraction(7, 1000)),
+    ],
+)
+def test_times_and_accelerations_have_the_units_of_robot_files(
+    text: str, unit: str, value: Fraction | int | None
+) -> None:
+    found = read(text, unit)
+    assert found == value if value is not None else float(found) == pytest.approx(math.radians(2), rel=1e-15)
+
+
+TIME, LENGTH = Port("time", Role.COMMAND, "s"), Port("x", Role.COMMAND, "m")
+
+
+def test_an_option_has_numbers_with_units() -> None:
+    assert from_option("--time", "500 ms", [TIME]) == [Fraction(1, 2)]
+    assert from_option("--move", "2 s, -3 cm", [TIME, LENGTH]) == [2, Fraction(-3, 100)]
+
+
+@pytest.mark.parametrize("text", ["", " ", "1,2", "fast", "2 m", "2 min", "1e999", "nan"])
+def test_messages_about_an_option_name_it_as_the_user_writes_it(text: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        from_option("--time", text, [TIME])
+    what = caught.value.what
+    assert what.startswith("--time ") and "time=" not in what and ".." not in what
+
+
+@pytest.mark.parametrize("text", ["1", "1,2,3", "1,", "1,fast"])
+def test_an_option_takes_as_many_numbers_as_it_has_quantities(text: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        from_option("--move", text, [TIME, LENGTH])
+    assert caught.value.what.startswith("--move")

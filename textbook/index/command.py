@@ -8,15 +8,19 @@ from pathlib import Path
 
 from textbook.index.places import count, in_ranges, places_of
 from textbook.index.records import Row, shown
-from textbook.index.search import Found, find
+from textbook.index.search import Found, find, parsed
 from wmrgen.cli import console
 from wmrgen.errors import UsageError
 
-EXAMPLES = '"2.75", "Siegwart 3.19", "Table 2.1", "Figure 3.15", "Exercise 3.7.1" or "Piaggio"'
+EXAMPLES = (
+    '"2.75", "(3.12)-(3.13)", "Siegwart 3.19", "Table 2.1", "Figure 3.15", "Exercise 3.7.1" or "Piaggio"'
+)
 
 
 def run(query: str, as_json: bool) -> int:
     """Print the rows of the table for a query. Raise UsageError if there are none."""
+    if parsed(query).too_short:
+        raise UsageError(f"{query!r} is too short to find a place. Write a place such as {EXAMPLES}.")
     found = find(query)
     if not found.rows and not found.missing:
         near = f" Near it: {', '.join(found.near)}." if found.near else f" Write a place such as {EXAMPLES}."

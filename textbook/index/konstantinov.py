@@ -20,7 +20,7 @@ ROWS: tuple[Row, ...] = (
         "vx=0.35 vy=-0.2 omega=0.7",
         "w1.x_rate,w1.y_rate=[0.35,-0.025000000000000022] w2.x_rate,w2.y_rate=[0.1984455543377232,-0.2875] "
         "w3.x_rate,w3.y_rate=[0.5015544456622767,-0.2875000000000001]"),
-    row("(3)", "lambda and mu of each wheel at phi = 0", "eval projections", "vx=0.35 vy=-0.2 omega=0.7",
+    row("(3), mu_i", "lambda and mu of each wheel at phi = 0", "eval projections", "vx=0.35 vy=-0.2 omega=0.7",
         "w1.along,w2.along,w3.along=[0.025000000000000022,0.028108891324553575,-0.5781088913245536] "
         "w1.across,w2.across,w3.across=[0.35,-0.34820508075688766,-0.0017949192431124805]"),
     row("(4)", "wheel speeds", "eval inverse_world", f"theta=phi {RATES}", SPINS, "K-4"),

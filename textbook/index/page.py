@@ -31,7 +31,8 @@ def _opening() -> Iterator[str]:
         f"Commands cover {here} of {every} places. A test runs each command and compares its numbers. Each equation of "
         "a group such as (3.9)-(3.11) is counted, even if the command shows a part of the group. "
         '`wmrgen textbook --find "2.75"` '
-        'prints the rows of a place; "Siegwart 3.19", "Table 2.1", "Figure 3.15", "Exercise 3.7.1" and "Piaggio" '
+        'prints the rows of a place; "(3.12)-(3.13)", "Siegwart 3.19", "Table 2.1", "Figure 3.15", "Exercise 3.7.1" '
+        'and "Piaggio" '
         "work too."
     )
     yield (

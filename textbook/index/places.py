@@ -25,12 +25,10 @@ _REASONS = {
     "Tzafestas": {
         "(2.19)-(2.22)": "a definition, without numbers",
         "(2.23)": "an example of an integrable constraint, without a robot",
-        "(2.44), Example 2.1": "checked in symbols, see the errata; no command of its own",
         "2.3.4": "sets of speeds, {-1, 0, 1} and {0, 1}; no command of its own",
     },
     "Konstantinov": {
-        "v_i^2": "checked in symbols, see the errata; no command of its own",
-        "mu_i": "checked in symbols, see the errata; no command of its own",
+        "v_i^2": "checked in symbols, see the errata; no command prints squares of velocities",
     },
     "Kelly": {
         "(4.18)": "a definition, without numbers",
@@ -39,7 +37,6 @@ _REASONS = {
     },
     "Siegwart": {
         "(3.1)": "a definition, without numbers",
-        "(3.14)": "a special case of (3.13); checked in symbols, see the errata",
         "Problem 3.7.3(a)": "our notes have part (b) only",
     },
     "AA274": {},

@@ -65,6 +65,8 @@ WHEELS = (
         "J1=value J2=J2", "S-3.12"),
     row("(3.13)", "sliding row of a fixed wheel", "texts/siegwart_wheel_fixed", "derive --json", "", "C1f=value",
         "S-3.13"),
+    row("(3.14)", "velocity across a wheel at alpha = beta = 0: it is vx, whatever vy and omega are (corrected)",
+        "texts/konstantinov", "eval projections", "vx=0.7 vy=-0.3 omega=0.4", "w1.across=0.7"),
     row("(3.15), (3.16)", "first entries of both rows of a steered wheel, at beta = -0.6",
         "texts/siegwart_wheel_steered", "eval projections", "vx=1 w.steer=-1.05", "w.along=J1.0.0 w.across=C1.0.0",
         "S-3.15"),

@@ -87,7 +87,33 @@ QUERIES = {
     "Konstantinov 5": "Konstantinov (5)",
     "piaggio": "Siegwart Table 2.1 (3 wheels, 3)",
     "AA274 tricycle": "AA274 tricycle",
+    "eqs. 3.12 to 3.13": "Siegwart (3.13)",
+    "3.12 and 3.13": "Siegwart (3.13)",
+    "(3.12), (3.13)": "Siegwart (3.13)",
+    "Table 2.1, 3 wheels": "Siegwart Table 2.1 (3 wheels, 2)",
+    "car": "AA274 simplified car",
 }
+
+
+@pytest.mark.parametrize(
+    "query",
+    ["(3.12)-(3.13)", "3.12-3.13", "3.12 – 3.13", "3.12-13", "(3.13)-(3.12)", "Siegwart (3.12)-(3.13)"],
+)
+def test_a_range_finds_its_members(query: str) -> None:
+    found = {row.places for row in find(query).rows}
+    assert {"(3.12)", "(3.13)"} <= found
+    if "(" in query:  # without parentheses it may be a figure
+        assert len(found) == 2
+    wide = find("(3.12)-(3.16)")
+    assert {"(3.15), (3.16)", "(3.12)"} <= {row.places for row in wide.rows}
+    assert [str(place) for place in wide.missing] == []
+
+
+def test_short_words_are_whole_words() -> None:
+    rows = find("car").rows
+    assert rows and all(
+        re.search(r"\bcar\b", f"{row.places} {row.says} {row.robot}".replace("_", " ")) for row in rows
+    )
 
 
 @pytest.mark.parametrize("query", QUERIES)
@@ -126,7 +152,9 @@ def test_a_query_without_a_match_names_what_is_near(wmrgen_cli: Cli, query: str,
     assert done.code == 2 and done.out == "" and near in done.err
 
 
-@pytest.mark.parametrize("query", ["", " ", "(", "%s", "\u00e9\u00df", "[[", "table of contents", "x" * 5000])
+@pytest.mark.parametrize(
+    "query", ["", " ", "(", "a", "x", "a x", "%s", "\u00e9\u00df", "[[", "table of contents", "x" * 5000]
+)
 def test_odd_queries_are_refused(wmrgen_cli: Cli, query: str) -> None:
     done = wmrgen_cli("textbook", "--find", query)
     assert (done.code, done.out) == (2, "") and "error[WMR112]" in done.err

@@ -13,7 +13,7 @@ import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Robot, argument, flag, option, output, verb
 from wmrgen.cli.loading import print_notes
-from wmrgen.cli.values import from_words
+from wmrgen.cli.values import from_option
 from wmrgen.errors import UsageError
 from wmrgen.geometry.ports import Port, Role
 from wmrgen.robotfile.text import bytes_of
@@ -150,11 +150,8 @@ def _mount(text: str | None) -> tuple[float, float, float] | None:
     """Return x, y [m] and heading [rad] of a text like ``0.1,-20 mm,90 deg``."""
     if text is None:
         return None
-    words = text.split(",")
-    if len(words) != len(_MOUNT):
-        raise UsageError(f"--mount {text} is not X,Y,THETA, such as 0.1,-20 mm,90 deg")
-    case = from_words([f"{port.name}={word}" for port, word in zip(_MOUNT, words, strict=True)], _MOUNT)
-    return float(case["x"]), float(case["y"]), float(case["theta"])
+    x, y, theta = map(float, from_option("--mount", text, _MOUNT))
+    return x, y, theta
 
 
 def _write(

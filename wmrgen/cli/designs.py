@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Robots, count_option, option, output, verb
-from wmrgen.cli.values import from_words
+from wmrgen.cli.values import from_option
 from wmrgen.errors import UsageError
 from wmrgen.geometry.ports import Port, Role
 
@@ -127,7 +127,7 @@ def _values(varying: Range, robot: Robot) -> list[Fraction]:
 
     known = {port.name: port for port in parameter_ports(robot)}
     port = known.get(varying.name, Port(varying.name, Role.GEOMETRY, ""))  # `varied` refuses an unknown name
-    ends = [from_words([f"{port.name}={end}"], [port])[port.name] for end in varying.ends]
+    ends = [from_option(f"--vary {port.name}", end, [port], example="")[0] for end in varying.ends]
     low, high = (Fraction(float(end)).limit_denominator(_DENOMINATOR) for end in ends)
     steps = max(1, varying.number - 1)
     return [low + (high - low) * k / steps for k in range(varying.number)]

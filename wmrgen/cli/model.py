@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Robot, Words, flag, option, output, verb, words
 from wmrgen.cli.loading import derived
-from wmrgen.cli.values import from_words
+from wmrgen.cli.values import from_option, from_words
 from wmrgen.errors import UsageError
 from wmrgen.geometry.exact.number import ONE, ZERO, Exact
 from wmrgen.geometry.ports import Port, Role
@@ -125,7 +125,7 @@ def _step(
 
     if form == "chained":
         raise UsageError("the chained form has no step. Write any --form but chained.")
-    span = None if dt is None else float(from_words([f"dt={dt}"], [Port("dt", Role.COMMAND, "s")])["dt"])
+    span = None if dt is None else float(from_option("--dt", dt, [Port("dt", Role.COMMAND, "s")])[0])
     step = derivation.state_space(form, discrete, span)
     if out is not None:
         write_file(out, BACKENDS["casadi"].offers("content")(step))

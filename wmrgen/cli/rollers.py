@@ -6,7 +6,7 @@ from typing import Annotated
 
 from wmrgen.cli import console
 from wmrgen.cli.declare import Json, option, verb
-from wmrgen.cli.values import from_words
+from wmrgen.cli.values import from_option
 from wmrgen.errors import UsageError
 from wmrgen.geometry.exact.number import Exact
 
@@ -30,7 +30,8 @@ def rollers(
     from wmrgen.ir.lower import lower
 
     function = lower(mecanum_roller())
-    case = from_words([f"radius={radius}", f"count={count}", f"angle={angle}"], function.inputs)
+    words = {"radius": radius, "count": count, "angle": angle}
+    case = {port.name: from_option(f"--{port.name}", words[port.name], [port])[0] for port in function.inputs}
     in_degrees = float(case["angle"] / pi_rational()) * 180
     _refuse_impossible(case["radius"], case["count"], in_degrees, angle)
     rounding = 1e-15 * float(case["radius"])  # m: what 60 digits of pi leave of a zero

@@ -12,7 +12,7 @@ from wmrgen.cli import console
 from wmrgen.cli.declare import Json, Robot, Words, argument, option, option_with_default, robot_files, verb
 from wmrgen.cli.loading import derived
 from wmrgen.cli.motion import planned
-from wmrgen.cli.values import from_words, with_joints
+from wmrgen.cli.values import from_option, from_words, with_joints
 from wmrgen.errors import UsageError
 from wmrgen.geometry.exact.number import ZERO, Exact
 from wmrgen.geometry.ports import POSE, TWIST, Port, Role
@@ -27,10 +27,11 @@ if TYPE_CHECKING:
 _TIME = Port("time", Role.COMMAND, "s")
 _STEP = Port("step", Role.COMMAND, "s")
 _SPEED = Port("speed", Role.COMMAND, "m/s")
-_RADIUS = Port("radius", Role.COMMAND, "m")
 _PATIENCE = 60.0  # s: a robot that has not reached its goal by then gives up
+_USUAL_STEP = "0.01"  # s, as a user writes it: firmware computes a control law at 100 Hz
 _CRUISE = "0.5"  # m/s, as a user writes it: walking pace of an indoor robot
 _MOST_STARTS = 64  # more paths are not visible in one picture
+_HUGE = 1e9  # m or rad: no robot gets there, and more digits make the table wide
 _LARGEST = 16 << 20  # bytes of a CSV file: an hour at 50 Hz
 _POSE = ("x", "y", "theta")
 _FUNCTIONS = ("inverse", "forward", "odometry", "odometry_increment")
@@ -86,7 +87,7 @@ def simulate(
     ] = None,
     step: Annotated[
         str, option_with_default("The longest step [s]; a control law computes once in a step.", "T")
-    ] = "0.01",
+    ] = _USUAL_STEP,
     compare: Annotated[
         Path | None, option("Another robot on the same course.", "ROBOT.yaml", completion=robot_files)
     ] = None,
@@ -99,7 +100,8 @@ def simulate(
 ) -> int:
     """Example:  wmrgen simulate robots/pioneer3dx.yaml --goal 0,0,0 --from circle:8 --svg drive.svg
 
-    Simulate a drive: print the pose at its end, and write it as CSV, as an animated picture or as a page. The pose
+    Simulate a drive: print the pose at its end, and write it as CSV, as an animated picture or as a page. Exit code 1
+    if a robot does not reach its --goal. The pose
     moves by exact steps of constant twist; castors and trailers follow by the rates of the model. The motion is
     kinematic: the robot has the commanded velocity at once, and steered wheels turn at once unless they wait for
     segments.
@@ -125,7 +127,7 @@ def simulate(
     else:
         for line in _table(drives):
             console.result(line)
-    return 0
+    return 0 if all(map(_reached, drives)) else 1
 
 
 def _check(course: Course) -> None:
@@ -157,35 +159,26 @@ def _check(course: Course) -> None:
 # ---- Words to numbers.
 
 
-def _numbers(text: str, ports: Sequence[Port], what: str) -> tuple[float, ...]:
-    """Return numbers separated by commas, with units if the user writes them."""
-    parts = text.split(",")
-    if len(parts) != len(ports):
-        names = ",".join(port.name.upper() for port in ports)
-        raise UsageError(
-            f"{what} {text[:60]!r} has {len(parts)} values, not {len(ports)}. Write {what} {names}."
-        )
-    words = [f"{port.name}={part.strip()}" for port, part in zip(ports, parts, strict=True)]
-    case = from_words(words, ports)
-    return tuple(float(case[port.name]) for port in ports)
+def _numbers(option: str, text: str, ports: Sequence[Port]) -> tuple[float, ...]:
+    """Return the numbers of an option as floats, in SI units; see `from_option`."""
+    return tuple(map(float, from_option(option, text, ports)))
 
 
-def _number(text: str, port: Port, positive: bool = True, what: str = "") -> float:
-    """Return a number of an option.
+def _number(option: str, text: str, port: Port, positive: bool = True) -> float:
+    """Return the number of an option.
 
     Args:
+        option: The option, as messages name it.
         text: The number, with a unit if the user writes it.
         port: What the number is.
         positive: Whether it must be above 0.
-        what: What messages call it; "" for the option of the name of ``port``.
 
     Returns:
         The number in SI units.
     """
-    what = what or f"--{port.name}"
-    (value,) = _numbers(text, [port], what)
+    (value,) = _numbers(option, text, [port])
     if positive and value <= 0:
-        raise UsageError(f"{what} must be above 0")
+        raise UsageError(f"{option} {text[:60]!r}: the value must be above 0")
     return value
 
 
@@ -196,7 +189,7 @@ def _starts(course: Course) -> Reals:
     if course.start is None:
         return np.zeros((1, 3))
     if not course.start.startswith("circle"):
-        return np.array([_numbers(course.start, POSE, "--from")])
+        return np.array([_numbers("--from", course.start, POSE)])
     word, *rest = course.start.split(":")
     if (
         word != "circle"
@@ -207,12 +200,21 @@ def _starts(course: Course) -> Reals:
         raise UsageError(
             f"--from {course.start[:60]!r}: write circle:8, with 1 to {_MOST_STARTS} poses, or circle:8:2."
         )
-    radius = _number(rest[1], _RADIUS, what="the radius of --from circle:N:RADIUS") if len(rest) == 2 else 1.0
-    x, y, theta = _numbers(course.goal or "", POSE, "--goal")
+    radius = 1.0 if len(rest) < 2 else _radius(course.start, rest[1])
+    x, y, theta = _numbers("--goal", course.goal or "", POSE)
     angles = theta + 2 * np.pi * np.arange(int(rest[0])) / int(rest[0])
     return np.stack(
         [x + radius * np.cos(angles), y + radius * np.sin(angles), np.full(len(angles), theta)], axis=-1
     )
+
+
+def _radius(start: str, text: str) -> float:
+    """Return the radius [m] of ``circle:N:RADIUS``, which is ``text`` in ``start``."""
+    circle = start.removesuffix(text)
+    (radius,) = from_option(f"--from {circle}RADIUS", text, [Port("radius", Role.COMMAND, "m")], circle)
+    if radius <= 0:
+        raise UsageError(f"--from {start[:60]!r}: the radius must be above 0. Write {circle}1.")
+    return float(radius)
 
 
 def _angles(words: Sequence[str], derivations: Sequence[Derivation]) -> list[dict[str, float]]:
@@ -271,7 +273,7 @@ def _source(course: Course, model: Model, poses: Reals, angles: Mapping[str, flo
     from wmrgen.tools.simulating.sources import GoToPose, Pursue, Recorded, Segments
     from wmrgen.tools.simulating.table import read_table
 
-    step = _number(course.step, _STEP)
+    step = _number("--step", course.step, _STEP)
     if course.table is not None:
         data = bytes_of(course.table, _LARGEST + 1)
         if len(data) > _LARGEST:
@@ -279,11 +281,11 @@ def _source(course: Course, model: Model, poses: Reals, angles: Mapping[str, flo
         text = data.decode("utf-8-sig", errors="replace")
         return Recorded(read_table(text, course.table, model.derivation), step)
     if course.goal is not None:
-        time = _PATIENCE if course.time is None else _number(course.time, _TIME)
-        x, y, theta = _numbers(course.goal, POSE, "--goal")
+        time = _PATIENCE if course.time is None else _number("--time", course.time, _TIME)
+        x, y, theta = _numbers("--goal", course.goal, POSE)
         if course.law == "goto_pose":
             return GoToPose((x, y, theta), step, time)
-        speed = _number(_CRUISE if course.speed is None else course.speed, _SPEED, positive=False)
+        speed = _number("--speed", _CRUISE if course.speed is None else course.speed, _SPEED, positive=False)
         if not speed:
             raise UsageError("--speed must not be 0")
         return Pursue((x, y), speed, step, time)
@@ -299,8 +301,8 @@ def _constant(course: Course, derivation: Derivation, words: Sequence[str]) -> l
     from wmrgen.functions.motion.segments import Phase, Segment, plan
 
     robot = derivation.robot
-    a, b, c = (Exact(Fraction(value)) for value in _numbers(course.twist or "", TWIST, "--twist"))
-    dt = Exact(Fraction(_number(course.time or "", _TIME)))
+    a, b, c = (Exact(Fraction(value)) for value in _numbers("--twist", course.twist or "", TWIST))
+    dt = Exact(Fraction(_number("--time", course.time or "", _TIME)))
     values = from_words(
         words, [*POSE, *(Port(f"{w.name}.steer", Role.STATE, "rad") for w in robot.wheels if w.turns)]
     )
@@ -331,13 +333,16 @@ def _remarks(drive: Drive, course: Course) -> list[str]:
         remarks.append(
             f"beyond the limits of the robot file: {', '.join(beyond)}. The simulation does not clip them."
         )
-    limited = [
-        w for w in drive.model.robot.wheels if w.kind.steers and drive.model.robot.limit(w, "steer_rate")
-    ]
-    if limited and (course.goal is not None or course.table is not None):
+    if drive.limited_by:
+        functions = " and ".join(drive.limited_by)
         remarks.append(
-            f"{limited[0].name} turns to each command at once: its limit of steer_rate is not simulated"
+            f"the law's commands exceeded limits of the robot file. {functions} reduced them, as in firmware"
         )
+    if not any(w.actuated for w in drive.model.robot.wheels):
+        remarks.append("no wheel is driven: the robot moves as if it were pushed")
+    rates = _limits_of_rates(drive.model.robot) if course.goal is not None or course.table is not None else []
+    if rates:
+        remarks.append(f"the commands take effect at once: limits of {', '.join(rates)} are not simulated")
     if drive.arrived is not None:
         late = int(np.count_nonzero(np.isnan(drive.arrived)))
         if late:
@@ -346,8 +351,31 @@ def _remarks(drive: Drive, course: Course) -> list[str]:
                 if drive.starts == 1
                 else f"{late} of {drive.starts} starts did not reach the goal"
             )
-            remarks.append(f"{which} within {float(drive.t.max()):.6g} s")
+            remarks.append(f"{which} within {float(drive.t.max()):.6g} s{_advice(course)}")
     return remarks
+
+
+def _reached(drive: Drive) -> bool:
+    """Return whether every start has reached the goal, if there is one."""
+    import numpy as np
+
+    return drive.arrived is None or not np.isnan(drive.arrived).any()
+
+
+def _limits_of_rates(robot: Loaded) -> list[str]:
+    """Return the limits of acceleration and of steering rates that the robot file has."""
+    names = [name for name in ("vx_rate", "vy_rate", "omega_rate") if robot.limits.get(name)]
+    for name in ("spin_rate", "steer_rate", "steer_acceleration"):
+        if any(robot.limit(w, name) for w in robot.wheels if w.commands(name.partition("_")[0])):
+            names.append(name)
+    return names
+
+
+def _advice(course: Course) -> str:
+    """Return the end of the sentence about a goal that was not reached, with what may help."""
+    if _number("--step", course.step, _STEP) <= float(_USUAL_STEP):
+        return ""
+    return f". The law is computed once in {course.step} s: try a smaller --step, such as {_USUAL_STEP}"
 
 
 def _beyond(drive: Drive) -> list[str]:
@@ -393,7 +421,7 @@ def _write(
         return
     goal = None
     if course.goal is not None:
-        x, y, _ = _numbers(course.goal, POSE, "--goal")
+        x, y, _ = _numbers("--goal", course.goal, POSE)
         goal = (x, y)
     drawn = picture(drives, goal)
     if svg is not None:
@@ -458,5 +486,5 @@ def _table(drives: Sequence[Drive]) -> list[str]:
 
 
 def _rounded(value: float) -> str:
-    """Return a number of the table, in tenths of a millimetre or of a milliradian."""
-    return f"{round(value, 4) + 0.0:.4f}"
+    """Return a number of the table, in tenths of a millimetre or of a milliradian; a huge one with few digits."""
+    return f"{value:.4e}" if abs(value) >= _HUGE else f"{round(value, 4) + 0.0:.4f}"

@@ -7,7 +7,7 @@ import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wmrgen.cli import console
 from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError, UsageError
@@ -22,12 +22,23 @@ if TYPE_CHECKING:
     from wmrgen.geometry.layout.records import Robot
 
 MAX_BYTES = 16 << 20  # bytes of a file of cases: about 100,000 cases
-_KINDS = {"m": Kind.LENGTH, "rad": Kind.ANGLE, "m/s": Kind.SPEED, "rad/s": Kind.RATE}
+_KINDS = {
+    "m": Kind.LENGTH, "rad": Kind.ANGLE, "m/s": Kind.SPEED, "rad/s": Kind.RATE, "m/s^2": Kind.ACCELERATION,
+    "rad/s^2": Kind.ANGULAR_ACCELERATION, "s": Kind.TIME,
+}  # fmt: skip
 Case = Mapping[str, Exact]
 _PLAIN = re.compile(r"[+-]?(\d{1,40}(\.\d{0,40})?|\.\d{1,40})([eE][+-]?\d{1,3})?")  # a decimal number
 _LARGEST = Fraction(2) ** 1024  # doubles are smaller
 _DUST = Exact(Fraction(1, 10**40))  # exact results use 60 digits of pi: below this they are zero
 _MINUS_ZERO = re.compile(r"\s*-\s*(0+\.?0*|\.0+)([eE][+-]?\d+)?\s*[a-z/]*\s*")
+
+
+class _Words(NamedTuple):
+    """How messages name a value."""
+
+    name: str  # of the value: ``time``, ``--time``
+    given: str  # the value as the user writes it: ``time = '5 kg'``, ``--time '5 kg'``
+    example: str  # what comes before a number that is right: ``time=``, ``--time ``
 
 
 class _MinusZero(Exact):
@@ -61,10 +72,39 @@ def from_words(words: Iterable[str], ports: Sequence[Port], robot: Robot | None 
         port = _port(name.strip(), ports, "")
         if port.name in case:
             raise UsageError(f"{port.name} is given twice")
-        case[port.name] = _number(text, port, "")
+        case[port.name] = _number(text, port, _pair(port.name, text))
     if robot is not None:
         robot.refuse(case)
     return case
+
+
+def from_option(option: str, text: str, ports: Sequence[Port], example: str | None = None) -> list[Exact]:
+    """Read the numbers of an option, such as ``--twist '0.5, 0, 30 deg/s'``.
+
+    Args:
+        option: the option, as messages name it.
+        text: its numbers, separated by commas, with units if the user writes them.
+        ports: what the numbers are.
+        example: what comes before a number that is right, in messages about a single number; None for the option.
+
+    Returns:
+        The exact value of each number, in SI units.
+
+    Raises:
+        UsageError: for another count of numbers, and for a wrong value.
+    """
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != len(ports):
+        names = ",".join(port.name.upper() for port in ports)
+        values = "1 value" if len(parts) == 1 else f"{len(parts)} values"
+        raise UsageError(f"{option} {text[:60]!r} has {values}, not {len(ports)}. Write {option} {names}.")
+    numbers = []
+    for part, port in zip(parts, ports, strict=True):
+        words = _Words(option, f"{option} {part[:60]!r}", f"{option} " if example is None else example)
+        if len(ports) > 1:
+            words = _Words(port.name, f"{option}: {port.name} = {part[:60]!r}", "")
+        numbers.append(_number(part, port, words))
+    return numbers
 
 
 def with_joints(words: Iterable[str], robot: Robot, joint: str, ports: Sequence[Port] = ()) -> list[str]:
@@ -185,8 +225,13 @@ def _case(case: Mapping[str, object], place: str, ports: Sequence[Port]) -> Case
         port = _port(name, ports, place)
         if not isinstance(value, str):
             raise UsageError(f"{place}{name} is {json.dumps(value)[:60]}, not a number")
-        result[name] = _number(value, port, place)
+        result[name] = _number(value, port, _pair(port.name, value, place))
     return result
+
+
+def _pair(name: str, text: str, place: str = "") -> _Words:
+    """Return how messages name the value of a pair NAME=VALUE; ``place`` starts messages."""
+    return _Words(name, f"{place}{name} = {text[:60]!r}", f"{name}=")
 
 
 def _names(ports: Sequence[Port]) -> str:
@@ -205,52 +250,53 @@ def _port(name: str, ports: Sequence[Port], place: str) -> Port:
     raise UsageError(f"{place}there is no input {quoted(name)}. {hint}{every}")
 
 
-def _number(text: str, port: Port, place: str) -> Exact:
+def _number(text: str, port: Port, words: _Words) -> Exact:
     """Return the exact SI value of ``text``, which may have a unit that fits the port. A zero keeps its sign."""
-    value = _unsigned_zero(text, port, place)
+    value = _unsigned_zero(text, port, words)
     return value if value or not _MINUS_ZERO.fullmatch(text) else _MinusZero(0)
 
 
-def _unsigned_zero(text: str, port: Port, place: str) -> Exact:
+def _unsigned_zero(text: str, port: Port, words: _Words) -> Exact:
     """Return the exact SI value of ``text``; -0 as 0."""
     from wmrgen.geometry.layout.expressions import evaluate
     from wmrgen.robotfile.quantities import read_quantity
 
-    what = f"{place}{port.name}"
+    number = f"0.5{' ' + port.unit if port.unit else ''}"
+    hint = f"Write a number, such as {words.example}0.5 or {words.example}'{number}'."
     if not text.strip():
-        raise UsageError(f"{what} has no value. Write a number, such as {port.name}=0.5.")
-    text = _without_unit(text, port, what)
+        raise UsageError(f"{words.given}: the value is missing. {hint}")
+    text = _without_unit(text, port, words)
     if _PLAIN.fullmatch(text):
         value = Fraction(text)
         if abs(value) < _LARGEST:
             return Exact(value)  # also sizes that robot files reject: another program may print 1e-40 m/s
     scalar = Scalar(Mark("", 1, 1, ""), text, True)
     try:
-        return evaluate(read_quantity(scalar, _KINDS.get(port.unit, Kind.ANY), port.name, Scope()), {})
+        return evaluate(read_quantity(scalar, _KINDS.get(port.unit, Kind.ANY), words.name, Scope()), {})
     except UndeclaredParameter as error:  # a file declares names, the command line does not
-        number = f"0.5{' ' + port.unit if port.unit else ''}"
-        hint = f"Write a number, such as {port.name}=0.5 or {port.name}='{number}'."
-        raise UsageError(f"{what} = {text[:60]!r} is not a number. {hint}") from error
+        raise UsageError(f"{words.given} is not a number. {hint}") from error
     except RobotFileError as error:
         hint = " ".join(part for part in (error.why, error.instead) if part)
-        raise UsageError(f"{what} = {text[:60]!r}: {error.what}. {hint}".rstrip()) from error
+        raise UsageError(f"{words.given}: {error.what}. {hint}".rstrip()) from error
 
 
-def _without_unit(text: str, port: Port, what: str) -> str:
-    """Remove the unit of the port from ``text`` if robot files do not know it: ``2.3 s`` becomes ``2.3``.
+def _without_unit(text: str, port: Port, words: _Words) -> str:
+    """Remove the unit of the port from ``text``: ``2.3 1/s`` becomes ``2.3``.
 
-    Raise UsageError for another unit.
+    Raise UsageError for another unit, if robot files have no unit of this kind.
     """
     unit = port.unit
-    if not unit or unit in _KINDS:
+    if not unit:
         return text
     space = r"\s+" if unit[0].isdigit() else r"\s*"
     match = re.fullmatch(rf"(.*[\d.)]){space}{re.escape(unit)}\s*", text)
     if match:
         return match[1]
+    if unit in _KINDS:
+        return text
     without_exponents = re.sub(r"[\d.][eE][+-]?\d", "", text)
     if re.search(r"[\d.)]\s*[a-zµ°\"]", without_exponents):
-        raise UsageError(f"{what} = {text[:60]!r}: {port.name} is in {unit}. Write the number alone.")
+        raise UsageError(f"{words.given}: {words.name} is in {unit}. Write the number alone.")
     return text
 
 

@@ -15,7 +15,7 @@ from tests.report.pages.katex import mistakes
 from tests.report.sections.test_boxes import NUMBER, number, value
 from tests.robots import ROBOTS, of_gallery, of_text
 from wmrgen.errors import UsageError
-from wmrgen.report.sections.exercise import BLANK, exercise
+from wmrgen.report.sections.exercise import BLANK, exercise, exercise_motions
 from wmrgen.report.sections.markdown import page
 
 pytestmark = pytest.mark.slow
@@ -204,6 +204,19 @@ def test_seeds_give_different_motions(name: str) -> None:
     seeds = [*range(5), 7, 47]
     motions = {section(text_of(name, seed, False), 2) for seed in seeds}
     assert len(motions) == len(seeds)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_seeds_are_no_mirror_images(name: str) -> None:
+    """The twists of seeds 1 to 20 differ in more than signs."""
+    motions = exercise_motions(of_gallery(name).driven)
+    twists = {tuple(abs(float(v)) for v in motion.twist.values()) for motion in motions[1:21]}
+    assert len(twists) == 20
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_layout_says_nothing_about_code(name: str) -> None:
+    assert "code" not in section(text_of(name, 1, False), 1)
 
 
 @pytest.mark.parametrize("name", ["pioneer3dx", "textbook_omnidirectional", "bicycle", "kuka_youbot"])

@@ -14,6 +14,8 @@ import pytest
 from distributed import LocalCluster
 
 from tests.conftest import ROOT, command_line
+from tests.report.figures.words import mistakes
+from wmrgen.tools.designs.figures import _COUNTED
 
 pytestmark = pytest.mark.slow
 
@@ -119,6 +121,20 @@ def test_a_sweep_is_a_grid(pair: Path) -> None:
         assert design["omega_max"] == pytest.approx(10 * design["r"] / design["half"])
 
 
+@pytest.mark.parametrize("words", [("r", "0.03", "0.05"), ("shift", "-0.1", "0.1")])
+def test_operations_of_a_sweep_are_those_of_each_design(words: tuple[str, str, str], pair: Path) -> None:
+    """``r`` is tunable: its formulas are counted once. ``shift`` is a number of the formulas; 0 saves products."""
+    name, low, high = words
+    pair.write_text(PAIR.replace("{half: 0.2,", "{half: 0.2, shift: 0.1,").replace("x: 0,", "x: shift,"))
+    found = run(pair, "--vary", f"{name}={low}:{high}:3", "--workers", "1")["designs"]
+    alone = []
+    for value in (facts[name] for facts in found):
+        _COUNTED.clear()
+        alone.append(run(pair, "--vary", f"{name}={value}:{value}:1")["designs"][0]["operations"])
+    assert [facts["operations"] for facts in found] == alone
+    assert (len(set(alone)) > 1) == (name == "shift")
+
+
 def test_an_impossible_design_ends_no_sweep(pair: Path) -> None:
     found = run(pair, "--vary", "r=-0.05:0.05:3")["designs"]
     assert ["error" in d for d in found] == [True, True, False]
@@ -165,7 +181,8 @@ def test_ends_of_an_axis_are_different_numbers(pair: Path, tmp_path: Path) -> No
         for element in ElementTree.fromstring(svg.read_text(encoding="utf-8")).iter()
         if element.text
     ]
-    shown = [float(text) for text in texts if re.fullmatch(r"0\.007\d+", text)]
+    assert any("along" in text and "10⁻³" in text for text in texts)
+    shown = [float(text) / 1000 for text in texts if re.fullmatch(r"7\.\d+", text)]
     assert len(shown) == 2 and shown[0] != shown[1]
     assert min(shown) == pytest.approx(low, rel=1e-3) and max(shown) == pytest.approx(high, rel=1e-3)
 
@@ -187,3 +204,18 @@ def test_a_picture_of_equal_designs_is_remarked(pair: Path, tmp_path: Path) -> N
 )  # fmt: skip
 def test_wrong_usage_is_refused(words: Sequence[str], pair: Path) -> None:
     assert run(pair, *words, code=2)["exit_code"] == 2
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--vary", "r=1e-7:2e-7:3"], ["--vary", "half=1e-6:1e3:3"], ["--vary", "half=0.2:0.200001:3"],
+        [ROBOTS / "festo_robotino.yaml", ROBOTS / "car_with_trailers.yaml"],
+    ],
+)  # fmt: skip
+def test_no_word_of_the_picture_is_cut_or_covered(
+    words: Sequence[object], pair: Path, tmp_path: Path
+) -> None:
+    svg = tmp_path / "designs.svg"
+    run(pair, *words, "--svg", svg)
+    assert mistakes(svg.read_text(encoding="utf-8"), tmp_path) == []

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import ROOT, command_line
+from tests.report.figures.words import mistakes
 from tests.report.pages.chromium import seen
 
 pytestmark = pytest.mark.slow
@@ -127,3 +128,38 @@ def test_every_wheel_is_in_the_legend(tmp_path: Path) -> None:
     assert set(wheels) <= {key.text for key in keys}
     width = float(root.attrib["viewBox"].split()[2])
     assert all(0 < float(key.attrib["x"]) < width - 30 for key in keys)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--twist", "1234567,0,5e-4", "--time", "5"],
+        ["--twist", "1e-6,0,-1e-7", "--time", "1 ms", "--step", "1 ms"],
+        ["--goal", "0,0,0", "--from", "circle:3", "--compare", ROOT / "robots" / "car_with_trailers.yaml"],
+    ],
+)
+def test_no_word_is_cut_or_covered(words: list[object], tmp_path: Path) -> None:
+    path = tmp_path / "drive.svg"
+    command_line("simulate", PIONEER, *words, "--svg", path)
+    assert mistakes(path.read_text(encoding="utf-8"), tmp_path) == []
+
+
+def test_long_names_of_two_robots_are_in_two_rows(tmp_path: Path) -> None:
+    text = PIONEER.read_text(encoding="utf-8")
+    paths = [tmp_path / f"{k}.yaml" for k in (1, 2)]
+    for k, path in enumerate(paths):
+        path.write_text(text.replace("name: pioneer3dx", f"name: a_very_long_name_of_a_robot_nr{k}"))
+    path = tmp_path / "drive.svg"
+    done = command_line(
+        "simulate", paths[0], "--compare", paths[1], "--twist", "1,0,0", "--time", "1", "--svg", path
+    )
+    assert done.code == 0 and mistakes(path.read_text(encoding="utf-8"), tmp_path) == []
+
+
+def test_joints_of_several_starts_are_those_of_the_first(tmp_path: Path) -> None:
+    titles = []
+    for start in ("1,0,0", "circle:3"):
+        root = drawn(tmp_path, PIONEER, "--goal", "0,0,0", "--from", start)
+        titles.append({text.text for text in root.iter(f"{SVG}text") if "title" in text.get("class", "")})
+    one, several = titles
+    assert len(one - several) == len(several - one) == 2 and len(one & several) == 4

@@ -396,6 +396,9 @@ BAD: Mapping[str, Sequence[str]] = {
     "time of a table": ["inputs.csv", "--time", "2"],
     "speed without pursuit": ["--goal", "1,0,0", "--speed", "0.5"],
     "speed of a twist": ["--twist", "1,0,0", "--time", "1", "--speed", "0.5"],
+    "circle of no radius": ["--goal", "0,0,0", "--from", "circle:8:"],
+    "circle of a wrong radius": ["--goal", "0,0,0", "--from", "circle:8:2 deg"],
+    "time in metres": ["--twist", "1,0,0", "--time", "1 m"],
     "circle of radius 0": ["--goal", "0,0,0", "--from", "circle:8:0"],
 }
 
@@ -410,6 +413,7 @@ def test_wrong_usage_is_refused(name: str, robot_file: Path, monkeypatch: pytest
 @pytest.mark.parametrize(
     "text",
     [
+        "t;vx\n0;1\n1;1\n",
         "", "t,vx\n", "t,vx\n0,1\n", "vx,omega\n0,1\n1,1\n", "t,vx\n0,1\n0,1\n", "t,vx\n0,one\n1,1\n",
         "t,vx\n0,1,2\n1,1\n", "t,vx\n0,nan\n1,1\n", "t,vx,vx\n0,1,1\n1,1,1\n", "t,speed\n0,1\n1,1\n",
         "t,left.spin\n0,1\n1,1\n", "t\n0\n1\n", "t,vx\n0,\0\n1,1\n", "t,vx\n0," + 200_000 * "1" + "\n1,1\n",
@@ -419,3 +423,16 @@ def test_wrong_tables_are_refused(text: str, robot_file: Path) -> None:
     path = robot_file.parent / "inputs.csv"
     path.write_text(text)
     assert run(robot_file, path, code=2)["errors"]
+
+
+def test_huge_numbers_do_not_widen_the_table(robot_file: Path) -> None:
+    done = command_line("simulate", robot_file, "--twist", "1e300,0,0", "--time", "1")
+    assert done.code == 0 and all(len(line) < 200 for line in done.out.splitlines())
+
+
+def test_a_robot_without_drives_is_remarked(robot_file: Path) -> None:
+    words = ["--twist", "1,0,0", "--time", "1"]
+    assert not command_line("simulate", robot_file, *words).err
+    robot_file.write_text(PAIR.replace("r: 0.05}", "r: 0.05, actuated: []}"))
+    done = command_line("simulate", robot_file, *words)
+    assert done.code == 0 and done.err

@@ -45,7 +45,7 @@ _BLANK_FORMULA = r"\ldots"
 Values = Mapping[str, Exact]
 # Components that are tried, in tenths of a unit: numbers of one digit, so that products with them are short.
 _TENTHS = (
-    (2, 4, 5, 8, 0, 3, 6, -2, -4, -5),
+    (2, 4, 5, 8, 0, 3, 6, -2, -4, -5, 1, 7, 9),
     (0, 2, -2, 4, 3),
     (2, -2, 4, -4, 5, 1, -5, 3, -3, 6, -6, 7, -7, 0),
 )
@@ -111,7 +111,7 @@ def exercise(d: Derivation, seed: int, solved: bool) -> list[str]:
         UsageError: if the robot cannot move without slip.
     """
     own = d.driven
-    pool = _pool(own)
+    pool = exercise_motions(own)
     if not pool:
         raise UsageError(
             f"there is no exercise on {d.robot.name}: it has no motion without slip within its limits."
@@ -119,7 +119,7 @@ def exercise(d: Derivation, seed: int, solved: bool) -> list[str]:
     motion = pool[seed % len(pool)]
     sheet = _Sheet(own, constrain(own.robot, nominal_view), motion, seed, solved)
     title = f"# Exercise {seed} on {code(d.robot.name)}" + (": solution" if solved else "")
-    blocks = [title, *pictures(d.figures, "layout.svg"), *layout(d)]
+    blocks = [title, *pictures(d.figures, "layout.svg"), *layout(d, in_code=False)]
     blocks += _model_of_skidding(d) if own is not d else []
     for question in (_given, _equations, _matrices, _degrees, _rates, _residual, _pose):
         blocks += question(sheet)
@@ -140,15 +140,26 @@ def _model_of_skidding(d: Derivation) -> list[str]:
 # ---- The motion.
 
 
-def _pool(d: Derivation) -> list[_Motion]:
-    """Return motions without slip within the limits: those in most directions first, and with the shortest numbers."""
+def exercise_motions(d: Derivation) -> list[_Motion]:
+    """Return motions without slip within the limits: those in most directions first, and with the shortest numbers.
+
+    Of motions that differ in signs only, such as a curve to the left and one to the right, one is returned.
+    """
     found: dict[tuple[str, ...], _Motion] = {}
     for scale in _SCALES:
         for motion in _motions(d, scale):
-            found.setdefault(tuple(six_decimals(v) for v in motion.twist.values()), motion)
+            sizes = tuple(six_decimals(abs(v)) for v in motion.twist.values())
+            known = found.setdefault(sizes, motion)
+            if _order(motion) < _order(known):
+                found[sizes] = motion
         if len(found) >= _POOL:
             break
-    return sorted(found.values(), key=lambda m: (_zeros(m), _length(m)))[:_POOL]
+    return sorted(found.values(), key=_order)[:_POOL]
+
+
+def _order(motion: _Motion) -> tuple[int, tuple[int, int, int]]:
+    """Return a key that sorts motions by how well they suit an exercise."""
+    return _zeros(motion), _length(motion)
 
 
 def _motions(d: Derivation, scale: Exact) -> Iterator[_Motion]:

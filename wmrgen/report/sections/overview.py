@@ -92,8 +92,8 @@ def _count(n: int, noun: str) -> str:
     return f"{_word(n)} {noun}{'' if n == 1 else 's'}"
 
 
-def layout(d: Derivation) -> list[str]:
-    """Return section 1."""
+def layout(d: Derivation, in_code: bool = True) -> list[str]:
+    """Return section 1; ``in_code``: it says which parameters the generated code takes."""
     robot = d.robot
     blocks = [
         "## 1 The layout",
@@ -107,8 +107,11 @@ def layout(d: Derivation) -> list[str]:
         _legend(robot),
     ]
     if robot.parameters:
-        named = grouped((_in_code(p), f"{_named(p)} = {plain(p.nominal)}") for p in robot.parameters)
-        texts = [f"{notation.listed(who)}, {what}" for what, who in named.items()]
+        named = grouped(
+            (f", {_in_code(p)}" if in_code else "", f"{_named(p)} = {plain(p.nominal)}")
+            for p in robot.parameters
+        )
+        texts = [f"{notation.listed(who)}{what}" for what, who in named.items()]
         blocks += [" ".join([f"Named parameters: {'; '.join(texts)}.", *_letters(robot)])]
     if robot.couplings:
         couplings = []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from math import inf, sqrt
@@ -105,7 +105,7 @@ def qualities(design: Design) -> Facts:
     facts |= {name: float(value) for name, value in design.values}
     try:
         robot = wmrgen.robot_of(varied(design.spec, dict(design.values)))
-        facts |= _measured(wmrgen.derive(robot, _FIRMWARE))
+        facts |= _measured(wmrgen.derive(robot, _FIRMWARE), design.spec)
     except (RobotFileError, NotDerivableError) as error:
         if not design.values:
             raise
@@ -114,8 +114,8 @@ def qualities(design: Design) -> Facts:
     return facts
 
 
-def _measured(derivation: Derivation) -> Facts:
-    """Return the figures of merit of a robot."""
+def _measured(derivation: Derivation, spec: RobotSpec) -> Facts:
+    """Return the figures of merit of a robot, which is a variant of ``spec``."""
     m, robot = derivation.mobility, derivation.robot
     drives = _drives(robot)
     freedoms = m.degree_of_maneuverability
@@ -131,7 +131,7 @@ def _measured(derivation: Derivation) -> Facts:
         "characteristic_length": length,
         **_deviations(derivation),
         "tip_over": _or_none(lambda: _tip_over(derivation)),
-        "operations": _or_none(lambda: _operations(derivation)),
+        "operations": _or_none(lambda: _operations(derivation, spec)),
     }
     return facts
 
@@ -236,10 +236,32 @@ def _tip_over(derivation: Derivation) -> float:
     return float(derivation.evaluate("stability", values | {"fz": GRAVITY})["margin"])
 
 
-def _operations(derivation: Derivation) -> float:
-    """Return the number of operations of inverse, forward and odometry together, as the C computes them."""
-    module = inlined_calls(derivation.c_module)
-    return float(sum(sum(count(function)) for function in module.functions if function.name in _FIRMWARE))
+# Operations of robots in this process. A sweep over tunable parameters has the same formulas at every point.
+_COUNTED: dict[Hashable, float] = {}
+_KEPT = 32  # robots whose operations are kept: a sweep over other parameters has new formulas at every point
+
+
+def _operations(derivation: Derivation, spec: RobotSpec) -> float:
+    """Return the number of operations of inverse, forward and odometry together, as the C computes them.
+
+    They depend on the formulas. Values of tunable parameters are inputs of the formulas, so they change nothing.
+
+    Args:
+        derivation: the robot, which is a variant of ``spec``.
+        spec: the content of the robot file.
+    """
+    formulas = []
+    for f in derivation.program.formulas:
+        outputs = tuple((port.name, expression) for port, expression in f.outputs)
+        formulas.append((f.name, tuple(port.name for port in f.inputs), f.locals, outputs, f.calls))
+    key = (replace(spec, parameters=()), tuple(formulas))
+    if key not in _COUNTED:
+        if len(_COUNTED) >= _KEPT:
+            _COUNTED.clear()
+        module = inlined_calls(derivation.c_module)
+        counts = [sum(count(function)) for function in module.functions if function.name in _FIRMWARE]
+        _COUNTED[key] = float(sum(counts))
+    return _COUNTED[key]
 
 
 def flash_of(name: str, path: Path, folder: Path) -> int | None:

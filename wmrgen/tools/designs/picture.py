@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wmrgen.analysis.mobility.basis import NEGLIGIBLE
+from wmrgen.report.figures.axis import ends
 from wmrgen.report.figures.figure import WIDTH, Figure, Group, figure
 from wmrgen.report.figures.paper import COLOURS, Paper, Point, circle, line, lines, text
 from wmrgen.tools.designs.figures import QUALITIES, Facts, Quality
@@ -12,6 +13,7 @@ from wmrgen.tools.designs.figures import QUALITIES, Facts, Quality
 FILE = "designs.svg"
 _COLUMNS, _PANEL, _GAP = 2, 76.0, 44.0  # panels in a row; px: height of a panel, and space above it
 _SIDE, _NUMBERS = 12.0, 52.0  # px: margin, and room for the numbers at the left of a panel
+_ACROSS = (WIDTH / _COLUMNS - _NUMBERS - 40) / 2  # px: room for a number below a panel
 _ROW = 16.0  # px: height of a line of words
 _MANY = 40  # designs: more dots touch each other, and are drawn as a line only
 _STYLE = (
@@ -48,6 +50,11 @@ def picture(designs: Sequence[Facts], axis: str | None) -> Figure:
         number = "" if axis else f"{_numbers(designs, name)}: "
         legend.append(circle((_SIDE + 5, top - 4), 4, "").replace("/>", f' fill="{_colour(k)}"/>'))
         legend.append(text((_SIDE + 16, top), f"{number}{name}", "words"))
+        top += _ROW
+    if axis is not None:
+        places = [value for facts in designs if (value := _value(facts, axis)) is not None]
+        scale = ends(min(places, default=0.0), max(places, default=0.0), _ACROSS).unit("")
+        legend.append(text((_SIDE, top), f"horizontal: {axis}{scale}", "words"))
         top += _ROW
     groups.append(("", legend))
     over = f" over {axis}" if axis else ""
@@ -115,20 +122,19 @@ def _panel(
         x = left + inset + (right - left - 2 * inset) * (place - first) / length
         return x, lower - inset - (lower - upper - 2 * inset) * (value - low) / span
 
-    bottom, top = _different(low, high)
-    start, end = _different(first, last)
+    numbers = ends(low, high, left - box[0] + 4)  # next to the panel are 14 px
+    across = ends(first, last, _ACROSS)
     paper = Paper((0.0, 0.0, WIDTH, lower + 20))
-    unit = f" [{quality.unit}]" if quality.unit else ""
     elements = [
-        paper.write((box[0], box[1] + _GAP - 20), f"{quality.title}{unit}", "title"),
+        paper.write((box[0], box[1] + _GAP - 20), f"{quality.title}{numbers.unit(quality.unit)}", "title"),
         line((left, lower), (right, lower), "rest"),
         line((left, upper), (left, lower), "rest"),
-        text((left - 5, lower - 2), bottom, "words end"),
-        text((left + 2, lower + 13), start, "words"),
-        text((right, lower + 13), f"{end}{'' if axis is None else f' {axis}'}", "words end"),
+        text((left - 5, lower - 2), numbers.low, "words end"),
+        text((left + 2, lower + 13), across.low, "words"),
+        text((right, lower + 13), across.high, "words end"),
     ]
     if high > low:
-        elements.append(text((left - 5, upper + 9), top, "words end"))
+        elements.append(text((left - 5, upper + 9), numbers.high, "words end"))
     for k, name in enumerate(names):
         points = []
         for place, facts in zip(places, designs, strict=True):
@@ -143,15 +149,3 @@ def _panel(
             dots = (circle(p, 3.0, "").replace("/>", f' fill="{_colour(k)}"/>') for p in points)
             elements += dots
     return elements
-
-
-def _different(low: float, high: float) -> tuple[str, str]:
-    """Return two numbers with three significant digits, or with up to six if fewer do not show a difference."""
-    texts = [(_short(low, digits), _short(high, digits)) for digits in (3, 4, 5, 6)]
-    return next((pair for pair in texts if pair[0] != pair[1]), texts[0])
-
-
-def _short(value: float, digits: int) -> str:
-    """Return a number with some significant digits, whole numbers in full."""
-    whole = value == round(value) and abs(value) < 1e6
-    return (f"{value:.0f}" if whole else f"{value:.{digits}g}").replace("-", "−")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import ceil
 from types import MappingProxyType
 from typing import NamedTuple, Protocol
@@ -73,7 +73,7 @@ class Drive:
     # (K, N) by name: x y theta, vx vy omega as driven, <wheel>.spin steer steer_rate, <trailer>.theta, slip
     columns: Mapping[str, Reals]
     arrived: Reals | None = None  # (N,) [s] at the goal, nan if it was not reached; None without a goal
-    notes: tuple[str, ...] = field(default=())
+    limited_by: tuple[str, ...] = ()  # functions that reduced commands of a law to the limits of the robot
 
     @property
     def starts(self) -> int:
@@ -137,7 +137,8 @@ def simulate(model: Model, state: Mapping[str, Reals], source: Source) -> Drive:
     for name in rows[0]:
         columns[name] = np.array([row[name] for row in rows])
     times = columns.pop("t")
-    return Drive(model.robot.name, model, times, columns, getattr(source, "arrived", None))
+    arrived, limited_by = getattr(source, "arrived", None), getattr(source, "limited_by", ())
+    return Drive(model.robot.name, model, times, columns, arrived, limited_by)
 
 
 def _commanded(model: Model, state: Values, order: Order) -> tuple[dict[str, Reals], Twist]:

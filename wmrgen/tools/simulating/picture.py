@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wmrgen.geometry.layout.records import Wheel
+from wmrgen.report.figures.axis import ends
 from wmrgen.report.figures.figure import RIGHT, WIDTH, Figure, Group, Pose, View, figure, fitted, moved, panel
 from wmrgen.report.figures.marks import body, chassis, extremes, placed
 from wmrgen.report.figures.paper import COLOURS, Box, Paper, Point, bar, circle, line, lines, num, text, width
@@ -86,19 +87,20 @@ def picture(drives: Sequence[Drive], goal: tuple[float, float] | None = None) ->
     last = max(float(run.t[-1]) for run in runs)
     groups = [("", [_STYLE]), *_course(runs, goal, last)]
     top = _PATH[3] + 16.0
-    plots = [("x [m]", "x", 1.0), ("y [m]", "y", 1.0), ("θ [°]", "theta", degrees(1.0))]
-    for title, name, scale in plots:
+    plots = [("x", "m", "x", 1.0), ("y", "m", "y", 1.0), ("θ", "°", "theta", degrees(1.0))]
+    for title, unit, name, scale in plots:
         curves = [Curve(run, "", run.t, scale * run.column(name), run.colour) for run in runs]
-        plot, top = _plot(title, curves, top, last)
+        plot, top = _plot((title, unit), curves, top, last)
         groups += plot
+    first = " of the first start" if len(runs) > len(drives) else ""
     joints = [
-        ("wheel speeds [rad/s]", _joints(runs, "spin", 1.0)),
-        ("steering angles [°]", _joints(runs, "steer", degrees(1.0))),
-        ("hitch angles [°]", _hitches(runs)),
+        ("wheel speeds", "rad/s", _joints(runs, "spin", 1.0)),
+        ("steering angles", "°", _joints(runs, "steer", degrees(1.0))),
+        ("hitch angles", "°", _hitches(runs)),
     ]
-    for title, curves in joints:
+    for title, unit, curves in joints:
         if curves:
-            plot, top = _plot(title, curves, top, last)
+            plot, top = _plot((f"{title}{first}", unit), curves, top, last)
             groups += plot
     groups.append(("", _cursor(last, _PATH[3] + _GAP - 2.0, top - 18.0)))
     names = " and ".join(dict.fromkeys(run.drive.name for run in runs))
@@ -165,12 +167,17 @@ def _names(runs: Sequence[Run], paper: Paper) -> list[str]:
     drives = {run.number: run for run in reversed(runs)}
     if len(drives) < 2:
         return []
-    elements, x = [], _PATH[2]
+    sizes = [width(run.drive.name) + 40 for run in drives.values()]  # with the line and two gaps
+    rows = sum(sizes) > (_PATH[2] - _PATH[0]) / 2  # the title takes the other half
+    elements: list[str] = []
+    x, y = _PATH[2], 16.0
     for run in (drives[number] for number in sorted(drives, reverse=True)):
+        if rows and elements:
+            x, y = _PATH[2], y + _ROW
         x -= width(run.drive.name) + 4
-        elements.append(paper.write((x, 16.0), run.drive.name))
+        elements.append(paper.write((x, y), run.drive.name))
         x -= 26
-        elements.append(_line([(x, 12.0), (x + 22, 12.0)], run))
+        elements.append(_line([(x, y - 4), (x + 22, y - 4)], run))
         x -= 10
     return elements
 
@@ -352,11 +359,13 @@ def _hitches(runs: Sequence[Run]) -> list[Curve]:
     return curves
 
 
-def _plot(title: str, curves: Sequence[Curve], top: float, last: float) -> tuple[list[Group], float]:
+def _plot(
+    quantity: tuple[str, str], curves: Sequence[Curve], top: float, last: float
+) -> tuple[list[Group], float]:
     """Draw curves over time, with the least and the largest value at the left.
 
     Args:
-        title: what is drawn.
+        quantity: what is drawn, and its unit.
         curves: the curves, those with a name in a legend.
         top: where the plot starts [px].
         last: the last time [s].
@@ -364,12 +373,14 @@ def _plot(title: str, curves: Sequence[Curve], top: float, last: float) -> tuple
     Returns:
         The plot, and where it ends [px].
     """
-    keys, below = _legend(curves, width(title) + 34, top + _GAP - 26)
     low = min(float(curve.values.min()) for curve in curves)
     high = max(float(curve.values.max()) for curve in curves)
     largest = max(abs(low), abs(high))
     if high - low < _CONSTANT * max(largest, 1.0):  # a constant is in the middle
         low, high = low - (largest or 1.0), high + (largest or 1.0)
+    numbers = ends(low, high, _LEFT - 6)
+    title = f"{quantity[0]}{numbers.unit(quantity[1])}"
+    keys, below = _legend(curves, width(title) + 34, top + _GAP - 26)
     upper = below + 8
     lower = upper + _PLOT
     paper = Paper((0.0, 0.0, WIDTH, lower + 20))
@@ -382,8 +393,8 @@ def _plot(title: str, curves: Sequence[Curve], top: float, last: float) -> tuple
         paper.write((_PATH[0], top + _GAP - 26), title, "title"),
         line((_LEFT, lower), (_RIGHT, lower), "rest"),
         line((_LEFT, upper), (_LEFT, lower), "rest"),
-        text((_LEFT - 6, upper + 8), _short(high, high - low), "words end"),
-        text((_LEFT - 6, lower + 2), _short(low, high - low), "words end"),
+        text((_LEFT - 6, upper + 8), numbers.high, "words end"),
+        text((_LEFT - 6, lower + 2), numbers.low, "words end"),
         text((_RIGHT, lower + 13), f"{last:.3g} s", "words end"),
     ]
     if low < 0 < high:
@@ -392,12 +403,6 @@ def _plot(title: str, curves: Sequence[Curve], top: float, last: float) -> tuple
         rows = _thinned(np.stack([curve.t, curve.values], axis=-1))
         elements.append(_line([on(float(t), float(v)) for t, v in rows], curve.run, curve.colour))
     return [("", elements), (' class="fine"', keys)], lower + 18
-
-
-def _short(value: float, span: float) -> str:
-    """Return the end of an axis, 0 if it is rounding error within the span of the axis."""
-    shown = float(f"{value:.3g}")  # printed in full up to a million
-    return f"{shown:.6g}".replace("-", "−") if abs(value) > _CONSTANT * span else "0"
 
 
 def _legend(curves: Sequence[Curve], x: float, y: float) -> tuple[list[str], float]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from wmrgen.functions.motion.segments import Phase
 from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.tools.simulating.drive import Moment, Order, steps_of
+from wmrgen.tools.simulating.limits import Limiter
 from wmrgen.tools.simulating.model import Model, Reals, Twist, Values
 from wmrgen.tools.simulating.table import Table
 
@@ -60,24 +61,38 @@ class _ToGoal:
         self._step, self._time = step, time
         steps_of(time, step)
         self.arrived: Reals | None = None  # [s], nan before
+        self._limiter: Limiter | None = None  # of the robot, once it drives
+
+    @property
+    def limited_by(self) -> tuple[str, ...]:
+        """Return the functions that reduced commands of the law; none if all were inside the limits."""
+        return self._limiter.functions if self._limiter and self._limiter.acted else ()
 
     def _law(self, now: Moment) -> tuple[Twist, Booleans, Reals]:
-        """Return the twist of the law, which starts are at the goal, and the longest step of each [s]."""
+        """Return the twist of the law, which starts are at the goal, and the distance of each to the end [m].
+
+        The last step ends after this distance.
+        """
         raise NotImplementedError
 
     def order(self, now: Moment) -> Order | None:
         """Return the twist of the law; a start that has reached the goal stands still."""
         if self.arrived is None:
             self.arrived = np.full(now.starts, np.nan)
-        twist, there, most = self._law(now)
+        self._limiter = self._limiter or Limiter(now.model)
+        twist, there, distance = self._law(now)
         self.arrived = np.where(np.isnan(self.arrived) & there, now.t, self.arrived)
         moving = np.isnan(self.arrived)
         time = float(now.t.max())
         if not moving.any() or time >= self._time - _INSTANT:
             return None
-        vx, vy, omega = (np.where(moving, value, 0.0) for value in twist)
+        vx, vy, omega = (np.where(moving, v, 0.0) for v in self._limiter.limited(now.state, twist))
+        _, _, qx, qy = now.model.axle
+        speed = np.hypot(vx - omega * qy, vy + omega * qx)  # of the axle centre
         longest = min(self._step, self._time - time)
-        return Order((vx, vy, omega), np.where(moving, np.minimum(longest, most), longest))
+        with np.errstate(divide="ignore"):  # a robot that does not move takes the whole step
+            seconds = np.minimum(longest, distance / speed)
+        return Order((vx, vy, omega), np.where(moving, seconds, longest))
 
 
 class GoToPose(_ToGoal):
@@ -118,9 +133,7 @@ class Pursue(_ToGoal):
         found = now.model.call("pursuit", {**now.state, **ahead})
         _, _, qx, qy = now.model.axle
         distance = np.hypot(ahead["goal_x"] - qx, ahead["goal_y"] - qy)  # of the axle centre
-        # The last step ends at the goal.
-        most = np.maximum(distance, NEAR) / abs(self._speed)
-        return _of_axle(now.model, ahead["v"], found["omega"]), distance < NEAR, most
+        return _of_axle(now.model, ahead["v"], found["omega"]), distance < NEAR, np.maximum(distance, NEAR)
 
 
 def _of_axle(model: Model, v: Reals, omega: Reals) -> Twist:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import TYPE_CHECKING, NamedTuple
@@ -58,8 +59,9 @@ def read_table(text: str, file: str, derivation: Derivation) -> Table:
     if len(set(header)) < len(header):
         raise UsageError(f"{file}: a column occurs twice in its header: {', '.join(header)}")
     if _COLUMN not in header:
+        hint = " Separate columns by commas." if len(header) == 1 and re.search(r"[;\t ]", header[0]) else ""
         raise UsageError(
-            f"{file} has no column t, the time in seconds. Its header is: {', '.join(header)[:200]}"
+            f"{file} has no column t, the time in seconds. Its header is: {', '.join(header)[:200]}.{hint}"
         )
     values = np.array([_numbers(row, header, f"{file}, row {k}") for k, row in enumerate(rows[1:], 1)])
     columns = {name: values[:, k] for k, name in enumerate(header)}
@@ -98,7 +100,9 @@ def _kind(columns: Mapping[str, Reals], derivation: Derivation, file: str) -> st
     for kind, names in (("joints", forward), ("inputs", inputs)):
         if names and set(columns) == set(names):
             return kind
-    kinds = {"a twist": list(TWIST_NAMES), "joints": forward, "inputs of the model": inputs}
+    kinds = {"a twist": list(TWIST_NAMES), "joints": forward}
+    if set(inputs) != set(forward):
+        kinds["inputs of the model"] = inputs
     texts = [f"{what} ({', '.join(names)})" for what, names in kinds.items() if names]
     known = dict.fromkeys((*TWIST_NAMES, *forward, *inputs))
     unknown = next((name for name in columns if name not in known), None)

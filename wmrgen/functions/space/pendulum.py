@@ -21,6 +21,7 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.analysis.kinematics.records import Formula, Locals, tunable_ports
+from wmrgen.analysis.mobility.basis import NEGLIGIBLE
 from wmrgen.functions.registry import Reason, underivable
 from wmrgen.functions.space.wheel_motion import AXES, FORCE, Vector, cross, dot, input_vector
 from wmrgen.geometry.layout.records import Point, Robot, Wheel
@@ -46,7 +47,6 @@ from wmrgen.geometry.symbolic import (
 )
 
 SWING = "swing.margin"
-_SAME = 1e-9  # relative: a smaller distance from the axle line is treated as 0
 _SMALLEST = sympy.Rational(1, 10**12)  # the least size of a divisor
 
 
@@ -70,7 +70,7 @@ def axle(robot: Robot) -> Axle | None:
     places = [w.contact(w.zero_heading) / ahead for w in wheels]  # real part along the rolling direction
     first, last = (choose(range(len(wheels)), key=lambda k: places[k].imag) for choose in (min, max))
     width = places[last].imag - places[first].imag
-    if width <= _SAME or any(abs(p.real - places[0].real) > _SAME * width for p in places):
+    if width <= NEGLIGIBLE or any(abs(p.real - places[0].real) > NEGLIGIBLE * width for p in places):
         return None
     return Axle(wheels[first], wheels[last])
 

@@ -10,7 +10,6 @@ from wmrgen.report.figures.paper import width
 
 _DIGITS = (3, 4, 5, 6)  # significant digits that are tried until both ends differ; more are hard to read
 _ROUNDING = 1e-6  # relative to the larger end: a smaller number at the other end is a rounding error, and 0
-_LARGEST_WHOLE = 1e6  # whole numbers below are written in full
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -57,8 +56,8 @@ def _different(low: float, high: float, write: Callable[[float, int], str]) -> t
 
 
 def _full(value: float, digits: int) -> str:
-    """Return a number with some significant digits; whole numbers in full."""
-    if value == round(value) and abs(value) < _LARGEST_WHOLE:
+    """Return a number with some significant digits; whole numbers of at most six digits in full."""
+    if value == round(value) and abs(value) < 10 ** max(_DIGITS):
         return _minus(f"{value:.0f}")
     return _minus(f"{float(f'{value:.{digits}g}'):.6g}")
 

@@ -10,6 +10,7 @@ from math import cos, degrees, hypot, sin, tan
 
 import numpy as np
 
+from wmrgen.analysis.mobility.basis import NEGLIGIBLE
 from wmrgen.analysis.mobility.ranks import independent
 from wmrgen.analysis.mobility.records import Array
 from wmrgen.derivation.facade import Derivation
@@ -18,7 +19,6 @@ from wmrgen.geometry.exact.poly import Poly, Row, dot
 from wmrgen.geometry.layout.records import Wheel
 from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.report.sections.example import (
-    ZERO,
     Numbers,
     Steps,
     as_equation,
@@ -115,7 +115,7 @@ def _angle(w: Wheel, values: Numbers) -> str:
     if not w.kind.steers or psi is None:
         return ""
     ax, ay = velocity(w, values)
-    ratio = f", tan ψ = {shown(tan(psi))}" if abs(ax) > ZERO and not w.heading else ""
+    ratio = f", tan ψ = {shown(tan(psi))}" if abs(ax) > NEGLIGIBLE and not w.heading else ""
     return f"v<sub>A</sub> = {vector(ax, ay)}{ratio}, ψ = {_in_degrees(psi)}, "
 
 
@@ -241,7 +241,7 @@ def _combination(d: Derivation, steps: Steps) -> list[str]:
     parts = " + ".join(f"{shown(v)} {n}" for v, n in zip(eta, names, strict=True)).replace("+ -", "- ")
     at = "At the angles of section 3, " if any(w.kind.steers for w in d.robot.wheels) else ""
     lines = [f"{at}{numbers}.", f"ξ = {vector(*twist)} = {parts}, so η = {_cut(eta)}."]
-    if len(eta) == 1 and abs(twist[2]) > ZERO:
+    if len(eta) == 1 and abs(twist[2]) > NEGLIGIBLE:
         lines[-1] += f" The ICR is at {vector(-twist[1] / twist[2], twist[0] / twist[2])} m."
     return lines
 
@@ -280,7 +280,7 @@ def _compatible(d: Derivation, steps: Steps) -> list[str]:
         factors = {n: value_at(conditions[0], {**values, **spins, n: 1.0}) for n in spins}
     except KeyError:
         return []
-    parts = [(k, values[n]) for n, k in factors.items() if abs(k) > ZERO]
+    parts = [(k, values[n]) for n, k in factors.items() if abs(k) > NEGLIGIBLE]
     if abs(sum(k * spin for k, spin in parts)) > _SAME * max(abs(k * spin) for k, spin in parts):
         return []
     text = as_sum(parts)
@@ -304,7 +304,7 @@ def _slowest_pivot(d: Derivation, values: Numbers) -> list[str]:
         return []
     name = min(speeds, key=lambda n: (round(speeds[n], 6), n))
     speed = speeds[name]
-    if speed < ZERO:
+    if speed < NEGLIGIBLE:
         return [f"The pivot of {code(name)} does not move: the example is singular."]
     change = _SIDEWAYS / speed
     return [

@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from math import atan2, cos, hypot, pi, prod, sin, sqrt, tan
 from typing import NamedTuple
 
+from wmrgen.analysis.mobility.basis import NEGLIGIBLE
 from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry.exact.poly import Gen, Poly, Row
 from wmrgen.geometry.layout.records import Wheel
 from wmrgen.geometry.ports import TWIST_NAMES
 from wmrgen.report.sections.result import example
 
-ZERO = 1e-9  # rounding errors of factors and speeds that are 0
 _OF_JOINTS = {"cos": cos, "sin": sin}
 _OF_NUMBERS: Mapping[str, Callable[..., float]] = {
     "pi": lambda: pi, "sqrt": sqrt, "tan": tan, "atan2": atan2, "cosf": cos, "sinf": sin,
@@ -53,7 +53,7 @@ def _passive_angle(w: Wheel, values: Numbers) -> Numbers:
     """Return the angle of a steered wheel without a drive, which points along its velocity; {} if its pivot rests."""
     ax, ay = velocity(w, values)
     turn = atan2(ay, ax) - w.heading
-    return {f"{w.name}.steer": turn - pi * round(turn / pi)} if hypot(ax, ay) > ZERO else {}
+    return {f"{w.name}.steer": turn - pi * round(turn / pi)} if hypot(ax, ay) > NEGLIGIBLE else {}
 
 
 def shown(value: float) -> str:
@@ -95,9 +95,9 @@ def as_sum(parts: Sequence[tuple[float, float]]) -> str:
     """Return products of a factor and a speed as a sum, without products that are 0 and factors that are 1."""
     text = ""
     for factor, speed in parts:
-        if abs(factor * speed) < ZERO:
+        if abs(factor * speed) < NEGLIGIBLE:
             continue
-        if abs(abs(factor) - 1) < ZERO:
+        if abs(abs(factor) - 1) < NEGLIGIBLE:
             text += f" {'-' if factor * speed < 0 else '+'} {shown(abs(speed))}"
             continue
         number = shown(speed) if speed > 0 else f"({shown(speed)})"

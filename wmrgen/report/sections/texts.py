@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from wmrgen.analysis.mobility.basis import NEGLIGIBLE
 from wmrgen.derivation.facade import Derivation
 from wmrgen.geometry import notation
 from wmrgen.geometry.constraints import nominal_view, rolling_row, symbolic_view
@@ -19,7 +20,6 @@ from wmrgen.geometry.layout.records import Robot, Wheel
 from wmrgen.report.sections.latex import latex
 from wmrgen.report.sections.markdown import aligned, items, keyed, listed, plain
 
-_ROUNDING = 1e-9  # of the size of a number: rounding in robot files
 Letters = dict[str, Exact]
 Wheels = Sequence[Wheel]
 Rows = tuple[tuple[Exact, Exact, Exact], ...]
@@ -66,7 +66,7 @@ def _driven(wheels: Wheels) -> bool:
 
 
 def _same(a: Exact, b: Exact) -> bool:
-    return abs(float(a - b)) <= _ROUNDING * max(1.0, abs(float(a)))
+    return abs(float(a - b)) <= NEGLIGIBLE * max(1.0, abs(float(a)))
 
 
 def _ahead(w: Wheel) -> bool:

@@ -236,9 +236,8 @@ def _tip_over(derivation: Derivation) -> float:
     return float(derivation.evaluate("stability", values | {"fz": GRAVITY})["margin"])
 
 
-# Operations of robots in this process. A sweep over tunable parameters has the same formulas at every point.
+# Operations of the last robot in this process. A sweep over tunable parameters has the same formulas at every point.
 _COUNTED: dict[Hashable, float] = {}
-_KEPT = 32  # robots whose operations are kept: a sweep over other parameters has new formulas at every point
 
 
 def _operations(derivation: Derivation, spec: RobotSpec) -> float:
@@ -256,8 +255,7 @@ def _operations(derivation: Derivation, spec: RobotSpec) -> float:
         formulas.append((f.name, tuple(port.name for port in f.inputs), f.locals, outputs, f.calls))
     key = (replace(spec, parameters=()), tuple(formulas))
     if key not in _COUNTED:
-        if len(_COUNTED) >= _KEPT:
-            _COUNTED.clear()
+        _COUNTED.clear()
         module = inlined_calls(derivation.c_module)
         counts = [sum(count(function)) for function in module.functions if function.name in _FIRMWARE]
         _COUNTED[key] = float(sum(counts))

@@ -34,13 +34,13 @@ def car(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("time", ["2.5", "2.5s", "2.5 s", "5/2", "25e-1 s"])
+@pytest.mark.parametrize("time", ["2.5", "2.5s", "2.5 s", "5/2", "25e-1 s", "2500ms", "2500 ms"])
 def test_a_time_may_have_its_unit(time: str, wmrgen_cli: Cli) -> None:
     found = json.loads(wmrgen_cli("motion", PIONEER, "left=4", "right=4", "--time", time, "--json").out)
     assert found["x"] == pytest.approx(2.5 * 4 * 0.0975)
 
 
-@pytest.mark.parametrize("time", ["2.5m", "2.5ms", "30 deg", "2.5 rad/s"])
+@pytest.mark.parametrize("time", ["2.5m", "2.5 kg", "30 deg", "2.5 rad/s"])
 def test_another_unit_is_no_time(time: str, wmrgen_cli: Cli) -> None:
     done = wmrgen_cli("motion", PIONEER, "left=4", "right=4", "--time", time)
     assert (done.code, done.out) == (2, "") and done.err.startswith(f"error[WMR112]: dt = {time!r}: ")

@@ -57,7 +57,7 @@ def test_a_model_of_motion_that_is_too_long_is_refused(
         "wmrgen: 1\nname: robot\nsnap: false\nparameters:\n"
         + "".join(f"  {n}: {{value: {v}, tunable: true}}\n" for n, v in (("a", 0.5), ("b", 0.55), ("c", 0.7)))
         + "wheels:\n"
-        "  - {name: w0, type: steered, x: -0.18+sqrt(a**2+b**2), y: 0.17+sqrt(a**2+a**2), "
+        "  - {name: w0, type: steered, x: -1.18+sqrt(a**2+b**2), y: 0.17+sqrt(a**2+a**2), "
         "heading: a/2, r: 0.1, offset_y: a/4}\n"
         "  - {name: w1, type: steered, x: c/2, y: 0.1+sqrt(b**2+b**2), heading: 0-2*c, r: 0.1}\n"
         "  - {name: w2, type: steered, x: 0.41, y: b+b/4, heading: pi/3-2*b, r: 0.1}\n",

@@ -6,6 +6,7 @@ import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,6 +18,15 @@ from tests.report.pages.katex import mistakes
 Cli = Callable[..., Outcome]
 SLOW = [p for p in PAGES if not all(b.everyday for b in blocks(p))]
 CC = ("c", "sh")
+FIRST = ("README.md", "tutorial.md", "first_robot.md", "commands.md")  # pages that newcomers follow
+
+
+def pages() -> list[Any]:
+    """All pages; others than the first ones are slow."""
+    marked = []
+    for page in PAGES:
+        marked.append(pytest.param(page, id=page.name, marks=[] if page.name in FIRST else pytest.mark.slow))
+    return marked
 
 
 def session(folder: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> Session:
@@ -26,7 +36,7 @@ def session(folder: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> Session:
     return Session(folder, cli)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+@pytest.mark.parametrize("page", pages())
 def test_a_page(page: Path, wmrgen_cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """All that needs Python and a C compiler."""
     here = session(tmp_path, wmrgen_cli, monkeypatch)

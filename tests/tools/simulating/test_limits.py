@@ -38,6 +38,7 @@ def extremes(drive: Drive, name: str) -> float:
     return float(np.abs(drive.columns[name]).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["goto_pose", "pursuit"])
 def test_commands_are_inside_the_limits(law: str, tmp_path: Path) -> None:
     free, limited = (driven(text, tmp_path, law) for text in (PAIR, PAIR + LIMITS))
@@ -52,6 +53,7 @@ def test_commands_are_inside_the_limits(law: str, tmp_path: Path) -> None:
     assert (limited.arrived > free.arrived).all()  # type: ignore[operator]
 
 
+@pytest.mark.slow
 def test_the_path_does_not_change(tmp_path: Path) -> None:
     """One factor for all components: the same points are reached, later."""
     free, limited = (driven(text, tmp_path) for text in (PAIR, PAIR + LIMITS))
@@ -68,6 +70,7 @@ def test_the_deadband_does_not_end_a_drive(tmp_path: Path) -> None:
     assert drive.arrived is not None and np.isfinite(drive.arrived).all()
 
 
+@pytest.mark.slow
 def test_a_car_keeps_its_steering_stops(tmp_path: Path) -> None:
     drive = driven(CAR, tmp_path)
     assert extremes(drive, "front.steer") <= np.radians(30) + 1e-9

@@ -118,3 +118,26 @@ wheels:
 )
 def test_the_wheelbase_is_called_l_unless_a_parameter_is(symbols: tuple[str, str], shown: str) -> None:
     assert shown in page_written(CAR % symbols)
+
+
+TURNED = """wmrgen: 1
+name: turned
+parameters: {half: 0.3, radius: {value: 0.05, symbol: r}, off: {value: 0.02, symbol: %s}}
+wheels:
+  - {name: a, type: steered, x: half, y: half, heading: %s, r: radius, offset_y: -off, limits: {steer: [-0.7, 0.7]}}
+  - {name: b, type: steered, x: -half, y: -half, heading: 0, r: radius, offset_y: -off}
+"""
+
+
+@pytest.mark.parametrize(("heading", "turned"), [("30 deg", True), ("0", False)])
+def test_section_six_has_one_letter_for_each_quantity(heading: str, turned: bool) -> None:
+    """The offset h and the heading psi_0, which occurs if a wheel is not ahead at angle 0 and is explained there."""
+    section = page_written(TURNED % ("h", heading)).partition("## 6 ")[2].partition("## 7 ")[0]
+    formulas = "".join(re.findall(r"```math\n(.*?)```", section, re.DOTALL))
+    words = re.sub(r"```math\n.*?```", "", section, flags=re.DOTALL)
+    assert (r"\psi_0" in formulas) == turned == ("ψ<sub>0</sub>" in words)
+    assert not re.search(r"(?<![\w\\{.`])h(?![\w_`])", words) and r"\mathit" not in formulas.replace(
+        r"\mathit{half}", ""
+    )
+    rates = re.findall(r"\\dot\{\\varphi\}.*?= (.*)", formulas)
+    assert sum(r"h\,\omega" in rate for rate in rates) >= 2 and "o\\,\\omega" not in formulas

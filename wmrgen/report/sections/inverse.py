@@ -191,37 +191,43 @@ def _projection(robot: Robot, projection: Projection, alone: bool) -> list[str]:
 
 def _steering(robot: Robot, wheels: list[Wheel], twist: Row) -> list[str]:
     """Say how a steered wheel chooses between the two headings that roll, and what limits change."""
-    shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
+    letters = _letters(wheels)
     limited = [w for w in wheels if robot.limit(w, "steer")]
     shared = [w for w in limited if not moves_as_partners(robot, w, twist)]
     narrow = _narrow_wheels(robot, wheels, twist)
     wide = [w for w in limited if w not in shared and w not in narrow]
     return [
-        *(_nearer(shift) if len(narrow) < len(wheels) else []),
+        *(_nearer(letters) if len(narrow) < len(wheels) else []),
         *(_wide(_turning(robot, wide)) if wide else []),
-        *(_narrow(_ranges(robot, narrow), shift) if narrow else []),
+        *(_narrow(_ranges(robot, narrow), letters) if narrow else []),
         *([f"**Limits.** Steering is limited: {_turning(robot, shared)}. Up to the turning points, the common angle "
            "is kept and clamped to the limits. Beyond them, the opposite heading is taken."] if shared else []),
     ]  # fmt: skip
 
 
-def _nearer(shift: str) -> list[str]:
-    """Write the choice of the nearer heading. ``shift``: the part of the rim speed from a lateral offset."""
+def _nearer(letters: _Letters) -> list[str]:
+    """Write the choice of the nearer heading."""
+    c, s = rf"\cos{letters.psi}", rf"\sin{letters.psi}"
+    shift = _minus(letters.o, r"\omega")
     return [
         "**The nearer heading.** The wheel rolls at two headings, which are half a turn apart. At the present angle ψ, "
-        "v<sub>A</sub> has a component u along the wheel and w across it; ψ<sub>0</sub> is the heading of the wheel at "
-        "ψ = 0. The wheel takes the nearer heading, at most 90° away, and drives backwards if u < 0:",
+        f"v<sub>A</sub> has a component u along the wheel and w across it{_of_zero(letters)}. The wheel takes the "
+        "nearer heading, at most 90° away, and drives backwards if u < 0:",
         *aligned([
-            r"u &= v_{Ax}\cos(\psi_0+\psi) + v_{Ay}\sin(\psi_0+\psi), & "
-            r"w &= v_{Ay}\cos(\psi_0+\psi) - v_{Ax}\sin(\psi_0+\psi)",
+            rf"u &= v_{{Ax}}{c} + v_{{Ay}}{s}, & w &= v_{{Ay}}{c} - v_{{Ax}}{s}",
             rf"\Delta &= \mathrm{{atan2}}\left(\pm w, |u|\right), & \psi^{{+}} &= \psi + \Delta, \qquad "
-            rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{v_{{Ax}}^2+v_{{Ay}}^2}}{shift}}}{{r}}, \qquad "
+            rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{v_{{Ax}}^2+v_{{Ay}}^2}}{shift}}}{{{letters.r}}}, \qquad "
             r"\pm = \begin{cases} - & u < 0 \\ + & u \ge 0 \end{cases}",
         ]),
         "If v<sub>Ax</sub> = v<sub>Ay</sub> = 0, the pivot is the ICR and the wheel rolls at any heading. It keeps its "
         "present one, because atan2(0, 0) = 0.",
-        *_steering_rate(shift),
+        *_steering_rate(letters),
     ]  # fmt: skip
+
+
+def _of_zero(letters: _Letters) -> str:
+    """Return the clause that says what psi_0 is; "" if formulas do not have it."""
+    return "; ψ<sub>0</sub> is the heading of the wheel at ψ = 0" if "psi_0" in letters.psi else ""
 
 
 def _wide(ranges: str) -> list[str]:
@@ -234,32 +240,35 @@ def _wide(ranges: str) -> list[str]:
     ]
 
 
-def _narrow(ranges: str, shift: str) -> list[str]:
+def _narrow(ranges: str, letters: _Letters) -> list[str]:
     """Write the angle of wheels with a range of less than a quarter turn."""
-    offset = r" - \frac{o\,\omega}{r}" if shift else ""
+    sign, length = ("+", letters.o[1:]) if letters.o.startswith("-") else ("-", letters.o)
+    offset = "" if length == "0" else rf" {sign} \frac{{{length}\,\omega}}{{{letters.r}}}"
+    middle = letters.psi.replace(r"+\psi", "+m") if "psi_0" in letters.psi else " m"
+    c, s = rf"\cos{middle}", rf"\sin{middle}"
     return [
         f"**Limits.** Steering is limited to less than a quarter turn: {ranges}. At most one of the two headings that "
         "roll is within the limits, and the wheel takes the angle at which it slides least. The limits are m ± ρ. At "
-        "the middle m, the velocity v<sub>A</sub> is p along the wheel and q across it; ψ<sub>0</sub> is its heading "
-        "at ψ = 0. If p = q = 0, the wheel keeps its angle:",
+        f"the middle m, the velocity v<sub>A</sub> is p along the wheel and q across it{_of_zero(letters)}. If "
+        "p = q = 0, the wheel keeps its angle:",
         *aligned([
-            r"p &= v_{Ax}\cos(\psi_0+m) + v_{Ay}\sin(\psi_0+m), & q &= v_{Ay}\cos(\psi_0+m) - v_{Ax}\sin(\psi_0+m)",
+            rf"p &= v_{{Ax}}{c} + v_{{Ay}}{s}, & q &= v_{{Ay}}{c} - v_{{Ax}}{s}",
             r"t &= \min\left(\max\left(\frac{q}{p}, -\tan\rho\right), \tan\rho\right), & "
             r"\psi^{+} &= m + \arctan t, & "
-            rf"\dot{{\varphi}} &= \frac{{p + q\,t}}{{r\,\sqrt{{1+t^2}}}}{offset}",
+            rf"\dot{{\varphi}} &= \frac{{p + q\,t}}{{{letters.r}\,\sqrt{{1+t^2}}}}{offset}",
         ]),
-        *_steering_rate(shift),
+        *_steering_rate(letters),
     ]  # fmt: skip
 
 
-def _steering_rate(shift: str) -> list[str]:
+def _steering_rate(letters: _Letters) -> list[str]:
     """Say what steering adds to the rate of a wheel next to its steering axis; `inverse` does not know that rate."""
     words = keyed(
         "inverse.steering_rate",
         "These rates hold at a constant angle. While ψ changes, the wheel also turns by −o ψ̇ / r; `steer_toward` adds "
         "this.",
     )
-    return [words] if shift else []
+    return [words] if letters.o != "0" else []
 
 
 def _narrow_wheels(robot: Robot, wheels: list[Wheel], twist: Row) -> list[Wheel]:
@@ -643,7 +652,7 @@ def _rows_of_pivots(wheels: list[Wheel]) -> list[str]:
     """Write the rows of steered wheels, or of driven castors, in the velocity of the pivot."""
     letters = _letters(wheels)
     rim, across = _components(letters.psi)
-    zero = ", with the heading h at ψ = 0," if any(w.heading for w in wheels) else ""
+    zero = ", with the heading ψ<sub>0</sub> at ψ = 0," if any(w.heading for w in wheels) else ""
     velocity = "the velocity v<sub>A</sub> of its pivot (section 2)"
     if wheels[0].kind.swivels:
         shift = _minus(letters.o, r"\left(\omega + \dot{\psi}\right)")

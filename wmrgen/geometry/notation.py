@@ -169,7 +169,7 @@ def parameter(name: str) -> str:
     return f"{indexed[1]}_{{{indexed[2]}}}" if indexed else rf"\mathit{{{escape(name)}}}"
 
 
-def rank(name: str) -> str:
+def sort_key(name: str) -> str:
     """Return what sorts a parameter among others in a sum or a product: its symbol if it has one, or its name."""
     return _symbols.get().get(name, name)
 

@@ -104,7 +104,7 @@ CASES: dict[str, tuple[list[dict[str, Any]], list[tuple[str, list[str]]], tuple[
         "degrees 3 3 1 2 2 1 3",
     )),
     "four steered": ([*STEERED, FRONT], [], (
-        "steers_icr a b 2 c f",
+        "steers_icr b f 2 a c",
         "degrees 3 3 2 1 1 2 3",
     )),
     "steered to no end": ([AHEAD, BEHIND, wheel("f", "steered", 0.1, 0.5)], [], (

@@ -130,7 +130,7 @@ def bounded(entries: list[dict[str, Any]], values: np.ndarray) -> bool:
             CAR % "" + ON_AXLE.splitlines(True)[-1], "posture",
             "vx omega right.spin front_left.spin front_right.steer_rate mid.steer",
         ),
-        (TWINS, "posture", "vx vy omega a.spin b.spin b.steer b.steer_rate"),
+        (TWINS, "posture", "vx vy omega a.spin b.spin a.steer a.steer_rate"),
         (CASTORS, None, "a.spin b.spin a.steer_rate b.steer_rate"),
         ("kuka_youbot", None, "vx vy omega br.spin"),
         ("textbook_tricycle", None, "vx omega"),

@@ -38,9 +38,7 @@ from wmrgen.geometry.layout.records import Robot, Wheel
 INDEPENDENT = 1e-3  # smallest singular value of unit rows that are clearly independent
 MOST_CANDIDATES = 16  # steered wheels that are combined in all ways: at most 560 combinations
 NEGLIGIBLE = 1e-9  # relative to the largest coefficient, or m/s: smaller values are rounding errors
-_CLEAR = (
-    0.5  # share of the largest singular value above which wheels are chosen by their place (jpl_osr: 0.88)
-)
+_CLEAR = 0.5  # share of the largest singular value from which the place of wheels decides (jpl_osr: 0.88)
 _ZERO, _ONE = Poly({}), Poly.of(1)
 IDENTITY: tuple[Row, ...] = ((_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE))
 
@@ -146,8 +144,8 @@ def _chosen(rows: Array, head: int, steered: list[Wheel], at: Configuration) -> 
     These are all independent rows among the first ``head``, then rows of steered wheels, and rows of coupled spins only
     if the steered wheels do not suffice. The posture model is singular if the axles of the chosen wheels are on one
     line. Among several choices the function therefore keeps those whose axles differ clearly at angle zero, then at
-    90 degrees. Among these it takes the one with most wheels ahead of P, as textbooks do: jpl_osr steers all corners,
-    and its back wheels are a little farther from the fixed axle.
+    90 degrees. Among these it takes the one with most wheels ahead of P, as textbooks do (jpl_osr steers all corners,
+    and its back wheels are a little farther from the fixed axle), and of several the one whose axles differ most.
     """
     rank = at.rank.value
     constant = independent(rows[:head], min(rank, head))
@@ -168,7 +166,7 @@ def _chosen(rows: Array, head: int, steered: list[Wheel], at: Configuration) -> 
     clear = [
         c for c in choices if c.at_zero >= _CLEAR * best.at_zero and c.at_quarter >= _CLEAR * best.at_quarter
     ]
-    return max(clear, key=lambda c: c.ahead).picked  # the first of equal ones
+    return max(clear, key=lambda c: (c.ahead, c.at_zero, c.at_quarter)).picked  # the first of equal ones
 
 
 def _apart(constant: Array, wheels: list[Wheel], turned: complex) -> float:

@@ -167,7 +167,7 @@ def reduced(above: Poly, below: Poly) -> Expr:
 def _generator(gen: Gen, power: int) -> Factor:
     match gen.kind:
         case "param":
-            return Factor(notation.parameter(gen.name), power, 0, (0, notation.rank(gen.name)))
+            return Factor(notation.parameter(gen.name), power, 0, (0, notation.sort_key(gen.name)))
         case "pi":
             return Factor(r"\pi", power, 0, (0, ""))
         case "cos" | "sin":
@@ -197,7 +197,7 @@ def _factor(expr: Expr, ports: Ports) -> Factor:
         return Factor(rf"\sqrt{{{latex(base, ports)}}}", int(power.p), 2, (8, ""))
     n = int(power)
     if isinstance(base, Parameter):
-        return Factor(notation.parameter(base.name), n, 0, (0, notation.rank(base.name)))
+        return Factor(notation.parameter(base.name), n, 0, (0, notation.sort_key(base.name)))
     if isinstance(base, sympy.Symbol):
         port = ports.get(base.name, base.name.removesuffix("_fit"))
         order = list(ports).index(base.name) if base.name in ports else -1

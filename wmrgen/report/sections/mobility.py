@@ -49,7 +49,9 @@ from wmrgen.report.sections.motion import jackknives
 if TYPE_CHECKING:
     from wmrgen.functions.models.exceptional import Exceptional
 
-_RELATIONS = 4  # printed compatibility conditions; conditions of more wheels say nothing new
+_RELATIONS = (
+    4  # printed compatibility conditions; more say nothing new, and five of jpl_osr fill half a screen
+)
 _PRODUCTS = 10_000  # products of terms in the Lie brackets of trailers: half a second
 
 
